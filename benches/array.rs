@@ -260,6 +260,7 @@ fn measured(
     let step = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
         line: 1,
+        origin: None,
     };
     let body = words.iter().map(step).collect();
     let code = Code {
@@ -267,6 +268,7 @@ fn measured(
         frame: vec![Step {
             action: Action::Repeat { times, body },
             line: 1,
+            origin: None,
         }],
     };
     let device = Device::scamp5();

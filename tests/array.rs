@@ -57,6 +57,7 @@ fn words(code: &[Primitive]) -> Vec<Step> {
     let step = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
         line: 1,
+        origin: None,
     };
     code.iter().map(step).collect()
 }
@@ -100,6 +101,7 @@ fn agrees<D: Domain>(
             init: vec![Step {
                 action: Action::Host(Host::LoadIn { value: 5.5 }),
                 line: 1,
+                origin: None,
             }],
             frame: words(program),
         };
@@ -360,6 +362,7 @@ fn events_leave_by_columns_from_the_top_right() {
             by_rows: false,
         }),
         line: 3,
+        origin: None,
     };
     let code = Code {
         init: vec![],
@@ -427,6 +430,7 @@ proptest! {
         frame.push(Step {
             action: Action::Repeat { times, body: words(&once) },
             line: 1,
+            origin: None,
         });
         let code = Code { init: vec![], frame };
         let device = device();

@@ -146,6 +146,13 @@ fn what_is_read_goes_into_memory() {
         &[4, 7, 20, 9, 30],
     );
     assert_eq!(all, ["4 5, 20 21 8, 9 10, 31"]);
+    // A cast to numbers as large writes what it says.
+    let all = posts(
+        "int8_t a[2]; scamp5_scan_events(R5, (uint8_t*)a, 1); vs_post_text(\"%d %d\", a[0], a[1]);",
+        1,
+        &[126 + 74],
+    );
+    assert_eq!(all, ["-56 -55"]);
 }
 
 /// What is drawn into stays, whatever is read between two shapes.

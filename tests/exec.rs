@@ -837,6 +837,34 @@ fn light_that_nothing_captures_is_told() {
     }
 }
 
+/// Of a register that is set nobody says that nothing writes it.
+#[test]
+fn registers_that_are_set_are_written() {
+    let of_p = "init { res(A); }\nframe { MOV(R6, R5); MOV(R7, R8); }";
+    let bench = Bench::new(of_p).set("R5", &Plane::from_elem((5, 7), 1.0));
+    let of_cpp = "int main() { while (1) { vs_frame_loop_control(); MOV(R6, R5); MOV(R7, R8); } }";
+    fs::write(bench.path("p.cpp"), of_cpp).unwrap();
+    for file in ["p.scamp", "p.cpp"] {
+        for (set, told) in [
+            (&["--set", "R5=R5.in.npy"][..], &["R8"][..]),
+            (&[], &["R5", "R8"]),
+        ] {
+            let run = [&["exec", file, "--frames", "1", "--json"], set].concat();
+            let output = amacrine(bench.folder.path(), &run);
+            let output = { output }.assert().success().get_output().clone();
+            let said = line(&output.stderr);
+            let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            for name in ["R5", "R8"] {
+                let message = format!("nothing in this program writes {name}");
+                let told = told.contains(&name);
+                assert_eq!(said.contains(&message), told, "{file}: {said}");
+                let source = json["source_warnings"].to_string();
+                assert_eq!(source.contains(&message), told, "{file}: {source}");
+            }
+        }
+    }
+}
+
 /// Each of several kinds is told by its name, and one that says nothing where another speaks is warned
 /// of, by `run` too.
 #[test]

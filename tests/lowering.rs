@@ -17,7 +17,11 @@ fn device() -> &'static Device {
 }
 
 fn step(action: Action) -> Step {
-    Step { action, line: 1 }
+    Step {
+        action,
+        line: 1,
+        origin: None,
+    }
 }
 
 /// What a word may sum that stores in `target`.

@@ -52,7 +52,11 @@ fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
         rare => (digital(), area.clone()).prop_map(|(target, area)| Host::Load { target, area }),
         rare => area.prop_map(|area| Host::Select { area }),
     ];
-    let step = |action| Step { action, line: 3 };
+    let step = |action| Step {
+        action,
+        line: 3,
+        origin: None,
+    };
     let once = prop_oneof![
         // PROP, which goes over the whole array, seldom.
         12 => word().prop_filter("PROP", |word| !matches!(word, Primitive::Prop { .. }))
@@ -118,6 +122,7 @@ fn moves() -> impl Strategy<Value = Vec<Step>> {
         let step = |word| Step {
             action: Action::Word(word),
             line: 3,
+            origin: None,
         };
         words.into_iter().flatten().map(step).collect()
     })
@@ -406,7 +411,13 @@ fn small_frames() -> impl Strategy<Value = Vec<Step>> {
         targets: vec![Target::Register(Analog(target))],
         sources: vec![Source::Pix, Source::In],
     });
-    let step = |action| vec![Step { action, line: 3 }];
+    let step = |action| {
+        vec![Step {
+            action,
+            line: 3,
+            origin: None,
+        }]
+    };
     let part = prop_oneof![
         4 => moves().prop_map(|steps| steps.into_iter().take(7).collect()),
         2 => from_light.prop_map(move |word| step(Action::Word(word))),
@@ -468,7 +479,11 @@ mod spots {
 /// FLAG as one frame leaves it masks the next, whose light is the same.
 #[test]
 fn flag_that_is_left_off_reaches_the_next_frame() {
-    let step = |action| Step { action, line: 1 };
+    let step = |action| Step {
+        action,
+        line: 1,
+        origin: None,
+    };
     let word = |word| step(Action::Word(word));
     let settings = Settings::from_device(device());
     // Above zero where the light is above 100.
@@ -542,6 +557,7 @@ fn steps_that_are_handed_in_are_not_taken_for_those_before() {
                 sources: vec![Source::Register(Analog(0))],
             }),
             line: 1,
+            origin: None,
         }];
         chip.run_steps(&steps, Micros(0), &mut packet)
             .expect("numbers");
@@ -561,6 +577,7 @@ fn a_large_array_agrees_too() {
         Step {
             action: Action::Word(word),
             line: 1,
+            origin: None,
         }
     };
     let to = |r| Target::Register(Analog(r));
@@ -568,6 +585,7 @@ fn a_large_array_agrees_too() {
     let word = |word| Step {
         action: Action::Word(word),
         line: 1,
+        origin: None,
     };
     // B: the light less its neighbours; events where it differs from C, which follows.
     let frame = vec![
@@ -598,6 +616,7 @@ fn a_large_array_agrees_too() {
                 by_rows: false,
             }),
             line: 2,
+            origin: None,
         },
         word(Primitive::Clear {
             targets: vec![Digital(5)],

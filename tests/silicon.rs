@@ -67,11 +67,13 @@ fn chip(errors: Errors, seed: u64, program: &[Primitive], input: f64) -> Chip<Si
     let word = |word: &Primitive| Step {
         action: Action::Word(word.clone()),
         line: 1,
+        origin: None,
     };
     let code = Code {
         init: vec![Step {
             action: Action::Host(Host::LoadIn { value: input }),
             line: 1,
+            origin: None,
         }],
         frame: program.iter().map(word).collect(),
     };
@@ -316,6 +318,7 @@ fn a_raw_code_is_finer_than_the_host_s_table() {
         let steps = [Step {
             action: Action::Host(host),
             line: 1,
+            origin: None,
         }];
         chip.run_steps(&steps, Micros(0), &mut Packet::new(SIZE, 1))
             .unwrap();

@@ -46,6 +46,7 @@ fn bare(code: Code) -> Code {
                     other => other,
                 },
                 line: 0,
+                origin: None,
             })
             .collect()
     }
@@ -1801,6 +1802,8 @@ fn macros_and_chains_have_limits() {
         "struct S { int a[1000]; }; S s[1000]; for (int i = 0; i < 1000; i++) { S t[1000]; t[0] = s[0]; }".to_owned(),
         "struct S { int a; S() { a = 1; } int get() { return a; } }; for (int i = 0; i < 100; i++) { S s[200000]; }".to_owned(),
         "struct S { int a[100000]; int b; }; int n = 0; for (int i = 0; i < 100000; i++) n += S{}.b;".to_owned(),
+        "struct T { vector<T> all; int v = 1; }; T t; for (int i = 0; i < 2000; i++) { T u; u.all.push_back(t); t = u; }".to_owned(),
+        "struct T { vector<T> all; int v = 1; }; T t; for (int i = 0; i < 60; i++) { T u; u.all.push_back(t); u.all.push_back(t); t = u; }".to_owned(),
         "int w[100][10000]; int n = 0; for (int i = 0; i < 100000; i++) n += w[1] != &w[2][5];".to_owned(),
         format!("int n = 0; for (int i = 0; i < 1000000; i++) {{ auto f = [&](int x) {{ {} }}; }}", "n = x + 1;".repeat(1000)),
         format!("int n; for (int i = 0; i < 1000000; i++) {{ if (n) {{ {} }} }}", "n = n + 1;".repeat(1000)),

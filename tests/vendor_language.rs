@@ -368,6 +368,43 @@ fn what_the_gui_would_send_is_refused() {
     );
 }
 
+/// A buffer that a cast shows as bytes is refused once, with what to write, whichever way it is run.
+#[test]
+fn casts_of_buffers_say_what_to_write() {
+    for inside in [
+        "scamp5_scan_areg(A, (uint8_t*)data, 0, 0, 255, 255, 64, 64);\nif (data[0] > 100) { mov(C, B); }",
+        "scamp5_scan_events(R5, (uint8_t*)&data[2], 2);\nfor (int i = 0; i < data[1]; i++) { mov(C, B); }",
+    ] {
+        let text = format!(
+            "int main() {{ int32_t data[16]; while (1) {{ vs_frame_loop_control(); get_image(A, F);\n{inside} }} }}"
+        );
+        let program = Program::read("p.cpp", &text);
+        let (device, none) = (Device::scamp5(), Overrides::new());
+        let of_run = program.layout(&device, &none).err().unwrap().faults;
+        for faults in [expand(&text).unwrap_err().faults, of_run] {
+            let [it] = &faults[..] else {
+                panic!("{faults:#?}");
+            };
+            let (message, help) = (&it.fault.message, it.fault.help.as_deref().unwrap());
+            assert!(message.contains("writes bytes, and `data` holds numbers of another size"));
+            assert!(
+                help.contains("declare `data` as an array of `uint8_t`"),
+                "{help}"
+            );
+            assert_eq!(it.line, 2);
+        }
+    }
+    // What a cast shows otherwise no run knows.
+    let faults = expand(
+        "int main() { while (1) { int n[2]; n[0] = scamp5_global_or(R5); uint8_t *b = (uint8_t*)n; if (b[0]) { mov(A, B); } } }",
+    )
+    .unwrap_err()
+    .faults;
+    let help = |it: &amacrine::config::Fault| it.help.clone().unwrap_or_default();
+    let all = faults.iter().map(|it| help(&it.fault));
+    assert!(all.clone().all(|it| !it.contains("`exec`")), "{faults:#?}");
+}
+
 /// Who can run a program beside the array is told what is wrong either way, and nothing else.
 #[test]
 fn what_a_run_decides_is_no_fault_of_a_run() {

@@ -183,6 +183,54 @@ fn values_for_the_array_are_passed_with_a_sign() {
     numbers_of(expand(text), &[-50, -15, 127, -128], text);
     warned(text, "C++ makes -50 of 206");
     warned(text, "C++ makes -56 of 200");
+    let text = "int main() { scamp5_in(A, 0xffffffffffffffff); std::string s = std::to_string(18446744073709551615ULL); scamp5_in(B, s.size()); }";
+    numbers_of(expand(text), &[-1, 20], text);
+    warned(text, "C++ makes -1 of 18446744073709551615");
+}
+
+/// What is read or shown in an included file is told with that file and its line there.
+#[test]
+fn readings_of_an_included_file_name_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "part.hpp",
+        "void part() {\n  scamp5_output_image(A, \"seen\");\n  int n = scamp5_global_sum_64(A);\n}\n",
+    );
+    write(
+        "p.cpp",
+        "#include \"part.hpp\"\nint main() { while (1) { vs_frame_loop_control(); get_image(A, F); part();\nscamp5_output_image(F, \"own\"); } }",
+    );
+    let scene = "pattern:disc?width=16&height=16&frames=1";
+    for host in [&[][..], &["--host"]] {
+        let run = ["exec", "p.cpp", "--image", scene, "--displays", "shown"];
+        let said = good(folder.path(), &[&run[..], host].concat());
+        for read in [
+            "read     part.hpp:2: 256 ADC values",
+            "read     part.hpp:3: sum ",
+            "read     line 3: 256 ADC values",
+        ] {
+            assert!(said.contains(read), "{said}");
+        }
+        let mut shown: Vec<String> = fs::read_dir(folder.path().join("shown"))
+            .unwrap()
+            .map(|it| it.unwrap().file_name().into_string().unwrap())
+            .collect();
+        shown.sort();
+        let of = |frame: u32| format!("part-hpp-2-seen-frame-{frame:04}.png");
+        assert!(shown.contains(&of(0)), "{shown:?}");
+        assert!(
+            shown.contains(&"line-3-own-frame-0000.png".to_owned()),
+            "{shown:?}"
+        );
+        let said = common::json(folder.path(), &[&run[..], host].concat());
+        let lines: Vec<_> = { said["readings"].as_array().unwrap().iter() }
+            .map(|it| (it["file"].as_str(), it["line"].as_u64().unwrap()))
+            .collect();
+        let part = Some("part.hpp");
+        assert_eq!(lines, [(part, 2), (part, 3), (None, 3)]);
+        fs::remove_dir_all(folder.path().join("shown")).unwrap();
+    }
 }
 
 /// Where the run may have ended before, no word hangs on an element.

@@ -282,7 +282,8 @@ impl Program {
             guard,
         });
         let warned = warned.iter().map(|it| in_python(&it.to_string()));
-        let warned = warned.collect();
+        let set = set.iter().map(|(name, _)| name.as_str());
+        let warned = warned.chain(self.uncaptured(set)).collect();
         Ok((
             records,
             packet.channels,
@@ -442,6 +443,19 @@ impl Program {
             arithmetic,
             settings,
         }
+    }
+
+    /// That nothing captures the light, where these registers are set.
+    fn uncaptured<'a>(&self, set: impl Iterator<Item = &'a str>) -> Option<String> {
+        let set = set.filter_map(|name| Register::named_to_set(&self.device, name).ok());
+        let set: Vec<Register> = set.collect();
+        execution::uncaptured(
+            &self.source.file,
+            &self.expansion,
+            &self.device,
+            |register| set.contains(&register),
+            |name| format!("registers={{\"{name}\": …}}"),
+        )
     }
 
     /// Sets a register before it runs.

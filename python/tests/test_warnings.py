@@ -218,6 +218,23 @@ def scale(case: Case) -> float | None:
     return None if case.clip.dtype == np.uint8 else 1.0
 
 
+def test_light_that_nothing_captures(program: Callable[..., str], tmp_path: Path) -> None:
+    text = "movx(B, A, south);\nadd(A, B, C);\n"
+    (tmp_path / "p.scamp").write_text(text)
+    clip = moving(1)
+    np.save(tmp_path / "clip.npy", clip)
+    shown = ("--image", tmp_path / "clip.npy", "--fps", FPS, "--json")
+    (told,) = json.loads(program("exec", tmp_path / "p.scamp", *shown))["source_warnings"]
+    assert "no word captures it" in told
+    native = amacrine.Program.from_file(tmp_path / "p.scamp")
+    assert said(lambda: native.run(clip, FPS)) == {
+        told.replace("--set A=FILE.npy", 'registers={"A": …}')
+    }
+    (some,) = said(lambda: native.run(clip, FPS, registers={"A": 3}))
+    assert "nothing has written C before it is read" in some
+    assert said(lambda: native.run(clip, FPS, registers={"A": 3, "C": 1})) == set()
+
+
 def test_a_program_has_a_rate() -> None:
     snap = amacrine.Program.from_file("dvs/snap")
     for fps in (float("inf"), 0.0, float("nan")):

@@ -4,6 +4,8 @@
 //! what lies off the array is not there. Sums over the array are modelled as the ADC's view of
 //! a mean.
 
+use std::sync::Arc;
+
 use super::{BitPlane, Converters, Domain, State, propagate};
 use crate::{
     event::readout::scan::Address,
@@ -17,6 +19,8 @@ use crate::{
 pub struct Reading {
     /// Line of the program text.
     pub line: u32,
+    /// Where that operation is written, if that is an included file: `file:line`.
+    pub origin: Option<Arc<str>>,
     /// What was read.
     pub values: Readings,
 }

@@ -10,6 +10,7 @@ use super::{
     list::{bundled, meant},
 };
 use crate::{
+    array::Register,
     bundled::Kind,
     isa::{Device, Figure},
     program::{Expansion, Overrides, Program, Runnable, Syntax, included_files, is_cpp},
@@ -165,13 +166,14 @@ impl Source {
 
     /// As [`Source::open_with`], for whoever can run a program with its host beside the array: one
     /// whose host decides there what the array does, or any of vendor C++ if it is asked for.
-    /// `before` takes the steps that are known before the run, where there are any.
+    /// `before` takes the steps that are known before the run, where there are any; registers of the
+    /// names in `set` are written before it.
     pub fn open_to_run(
         &self,
         figures: &[(Figure, f64)],
         constants: &[(String, f64)],
-        host: bool,
-        before: bool,
+        set: &[&str],
+        (host, before): (bool, bool),
     ) -> miette::Result<Opened> {
         let (program, device, overrides) = self.on_chip(figures, constants)?;
         if host && !program.is_vendor() {
@@ -183,10 +185,14 @@ impl Source {
         }
         let Runnable { expansion, decides } = program.layout(&device, &overrides)?;
         let decides = decides && !(before && expansion.is_some());
+        let mut expansion = expansion.unwrap_or_default();
+        let set = set.iter().map(|name| Register::named_to_set(&device, name));
+        let set: Vec<Register> = set.collect::<Result<_, _>>()?;
+        expansion.are_set(&device, |cell| set.contains(&Register::from(*cell)));
         let opened = Opened {
             program,
             device,
-            expansion: expansion.unwrap_or_default(),
+            expansion,
             decides,
             overrides,
         };

@@ -67,6 +67,14 @@ pub(super) fn unwritten(
     faults
 }
 
+impl Expansion {
+    /// Takes back that nothing writes a register, of those that are set before the program runs.
+    pub fn are_set(&mut self, device: &Device, is_set: impl Fn(&Cell) -> bool) {
+        let of_these = unwritten(self, device, is_set);
+        self.warnings.retain(|it| !of_these.contains(it));
+    }
+}
+
 /// The name that a statement has for what it reads.
 fn named(statement: &Expanded, cell: Cell, device: &Device) -> String {
     let words = statement

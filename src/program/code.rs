@@ -1,5 +1,7 @@
 //! What runs: instruction words, host operations, repetitions.
 
+use std::sync::Arc;
+
 use crate::isa::Primitive;
 
 use super::operation::Host;
@@ -49,6 +51,8 @@ pub struct Step {
     pub action: Action,
     /// Line of the program text, from 1.
     pub line: u32,
+    /// Where it is written, if that is an included file: `file:line`.
+    pub origin: Option<Arc<str>>,
 }
 
 /// What a step does.

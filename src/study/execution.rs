@@ -8,12 +8,14 @@ use super::{
     saturation::{self, Saturation},
 };
 use crate::{
-    array::{Arithmetic, ArithmeticError, Array, CodeError, Settings, ShapeError, Unheld},
+    array::{
+        Arithmetic, ArithmeticError, Array, CodeError, Register, Settings, ShapeError, Unheld,
+    },
     event::Packet,
-    isa::Device,
+    isa::{Cell, Device},
     photoreceptor::Response,
     plane::{At, Size},
-    program::{Code, Exposure, Program, Step},
+    program::{CellEffect, Code, Expansion, Exposure, Program, Step},
     rig::{
         Larger,
         guard::{Guard, Warning},
@@ -220,6 +222,44 @@ impl<'a> Execution<'a> {
             saturation::loads(&steps, self.device, self.settings, register)
         }
     }
+}
+
+/// That bare statements take no light in, where some is given, and read registers that neither they
+/// nor the caller has set: 0 everywhere, in silence. `give` says how a register is set, by its name.
+#[must_use]
+pub fn uncaptured(
+    file: &str,
+    Expansion { code, bare, .. }: &Expansion,
+    device: &Device,
+    is_set: impl Fn(Register) -> bool,
+    give: impl Fn(&str) -> String,
+) -> Option<String> {
+    let mut exposure = Exposure::default();
+    exposure.see(&code.frame, device);
+    if !bare || exposure.reads() {
+        return None;
+    }
+    let effect = CellEffect::of(&code.frame, device);
+    let inputs = effect
+        .reads
+        .into_iter()
+        .filter(|cell| *cell != Cell::Flag && !is_set(Register::from(*cell)));
+    let inputs: Vec<Cell> = inputs.collect();
+    let first = inputs.first()?.name(device);
+    let capture = match inputs.first()? {
+        Cell::Analog(_) => format!(", or begin with `get_image({first});`"),
+        Cell::Digital(_) | Cell::Flag => String::new(),
+    };
+    let names: Vec<String> = inputs.iter().map(|it| it.name(device)).collect();
+    let (last, others) = names.split_last()?;
+    let (names, they) = match others {
+        [] => (last.clone(), "it is"),
+        others => (format!("{} and {last}", others.join(", ")), "they are"),
+    };
+    let give = give(&first);
+    Some(format!(
+        "{file}: light is given, and no word captures it: nothing has written {names} before {they} read (0 everywhere); give {give}{capture}"
+    ))
 }
 
 /// Lets the light of a frame fall on the array; when that is, and the seconds since the frame

@@ -74,7 +74,11 @@ pub fn movx(target: Analog, source: Analog, from: Direction) -> Vec<Primitive> {
 }
 
 pub fn step(action: Action) -> Step {
-    Step { action, line: 1 }
+    Step {
+        action,
+        line: 1,
+        origin: None,
+    }
 }
 
 pub fn words(words: impl IntoIterator<Item = Primitive>) -> Vec<Step> {

@@ -58,7 +58,11 @@ pub fn load() -> impl Strategy<Value = Action> {
 
 /// Each action on a line of its own.
 pub fn steps(actions: Vec<Action>) -> Vec<Step> {
-    let step = |(action, line)| Step { action, line };
+    let step = |(action, line)| Step {
+        action,
+        line,
+        origin: None,
+    };
     actions.into_iter().zip(1..).map(step).collect()
 }
 

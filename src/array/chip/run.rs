@@ -1,5 +1,7 @@
 //! A lowered body run: blocks of words, host operations between them.
 
+use std::sync::Arc;
+
 use super::{
     super::{
         Reading, RowOps, Scanned,
@@ -40,9 +42,13 @@ impl<D: RowOps> Chip<D> {
                     propagate::propagate(&mut self.state, self.settings.propagation, *boundary);
                     self.step += 1;
                 }
-                Stage::Host { operation, line } => {
+                Stage::Host {
+                    operation,
+                    line,
+                    origin,
+                } => {
                     self.ledger.host(operation, &self.device);
-                    self.host(operation, *line, t, packet);
+                    self.host(operation, (*line, origin.as_ref()), t, packet);
                 }
                 Stage::Repeat { times, body } => {
                     for _ in 0..*times {
@@ -75,7 +81,14 @@ impl<D: RowOps> Chip<D> {
         })
     }
 
-    fn host(&mut self, operation: &Host, line: u32, t: Micros, packet: &mut Packet) {
+    /// An operation of the host, written in this line.
+    fn host(
+        &mut self,
+        operation: &Host,
+        (line, origin): (u32, Option<&Arc<str>>),
+        t: Micros,
+        packet: &mut Packet,
+    ) {
         if let Host::ScanDigital {
             source,
             first_row,
@@ -110,7 +123,11 @@ impl<D: RowOps> Chip<D> {
                 &mut self.state,
                 operation,
             );
-            let reading = values.map(|values| Reading { line, values });
+            let reading = values.map(|values| Reading {
+                line,
+                origin: origin.cloned(),
+                values,
+            });
             self.readings.extend(reading);
             return;
         };

@@ -1,5 +1,7 @@
 //! A body lowered, once, when a chip is made: basic blocks, and what the host does between them.
 
+use std::sync::Arc;
+
 use super::{
     super::{Layout, Ledger},
     block::Block,
@@ -42,6 +44,7 @@ pub(in crate::array) enum Stage {
     Host {
         operation: Host,
         line: u32,
+        origin: Option<Arc<str>>,
     },
     Repeat {
         times: u32,
@@ -123,6 +126,7 @@ impl Lowerer<'_> {
                     stages.push(Stage::Host {
                         operation: operation.clone(),
                         line: step.line,
+                        origin: step.origin.clone(),
                     });
                 }
                 Action::Repeat { times, body } => self.repeat(*times, body, stages),

@@ -20,19 +20,19 @@ use super::{
 use crate::{
     array::{Arithmetic, Array, Register, Schedule, Settings},
     event::Packet,
-    isa::{Cell, Device, Figure},
+    isa::{Device, Figure},
     limit::THREADS,
     memory::Need,
     number::Format,
     plane::Size,
-    program::{CellEffect, Expansion, Exposure, Program, Step},
+    program::{Expansion, Exposure, Program, Step},
     rig::{
         self,
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene, kept::Kept},
     study::{
-        execution::{CellOptions, Execution, Ran, begin},
+        execution::{CellOptions, Execution, Ran, begin, uncaptured},
         pilot::Machine,
         saturation::{self, Saturation},
     },
@@ -81,10 +81,16 @@ impl<'a> Bench<'a> {
                 Assignment::Register(..) | Assignment::Figure(..) => None,
             })
             .collect();
+        let names = arguments.sets.iter().filter_map(|set| match set {
+            Assignment::Register(name, _) => Some(name.as_str()),
+            Assignment::Figure(..) | Assignment::Constant(..) => None,
+        });
+        let names: Vec<&str> = names.collect();
         let opened = {
             let source = &arguments.source;
             let before = arguments.fidelity.is_auto();
-            source.open_to_run(&figures, &constants, arguments.host, before)?
+            let how = (arguments.host, before);
+            source.open_to_run(&figures, &constants, &names, how)?
         };
         let Opened {
             program, device, ..
@@ -97,8 +103,14 @@ impl<'a> Bench<'a> {
         let observation = Observation::new();
         let light = Light::open(arguments, program, &observation)?;
         let size = size(&planes, light.scene.as_deref(), program, device)?;
-        let uncaptured = { light.scene.is_some() }.then(|| uncaptured(&opened, &planes));
-        let uncaptured = uncaptured.flatten();
+        let set = |register| planes.iter().any(|set| set.sets(register));
+        let give = |name: &str| format!("--set {name}=FILE.npy");
+        let (file, expansion) = (&program.file, &opened.expansion);
+        let told = light
+            .scene
+            .as_ref()
+            .map(|_| uncaptured(file, expansion, device, set, give));
+        let uncaptured = told.flatten();
         if let Some(told) = &uncaptured {
             complain(&format!("warning: {told}\n"));
         }
@@ -452,43 +464,6 @@ impl<'a> Bench<'a> {
         })?;
         Ok(index)
     }
-}
-
-/// That bare statements take no light in, where some is given, and read registers that neither they
-/// nor the caller has set: 0 everywhere, in silence.
-fn uncaptured(opened: &Opened, planes: &[Set]) -> Option<String> {
-    let Opened {
-        program,
-        device,
-        expansion: Expansion { code, bare, .. },
-        ..
-    } = opened;
-    let mut exposure = Exposure::default();
-    exposure.see(&code.frame, device);
-    if !bare || exposure.reads() {
-        return None;
-    }
-    let effect = CellEffect::of(&code.frame, device);
-    let inputs = effect.reads.into_iter().filter(|cell| {
-        let register = Register::from(*cell);
-        *cell != Cell::Flag && !planes.iter().any(|set| set.sets(register))
-    });
-    let inputs: Vec<Cell> = inputs.collect();
-    let first = inputs.first()?.name(device);
-    let capture = match inputs.first()? {
-        Cell::Analog(_) => format!(", or begin with `get_image({first});`"),
-        Cell::Digital(_) | Cell::Flag => String::new(),
-    };
-    let names: Vec<String> = inputs.iter().map(|it| it.name(device)).collect();
-    let (last, others) = names.split_last()?;
-    let (names, they) = match others {
-        [] => (last.clone(), "it is"),
-        others => (format!("{} and {last}", others.join(", ")), "they are"),
-    };
-    Some(format!(
-        "{}: light is given, and no word captures it: nothing has written {names} before {they} read (0 everywhere); give --set {first}=FILE.npy{capture}",
-        program.file
-    ))
 }
 
 /// What the caller says of cells.

@@ -165,6 +165,10 @@ impl<'a> Debugger<'a> {
         chip: &mut dyn Array,
         packet: &mut Packet,
     ) -> miette::Result<ControlFlow<()>> {
+        let text = match &step.origin {
+            Some(origin) => format!("{text} ({origin})"),
+            None => text,
+        };
         self.next = Some((step.line, text));
         let arrives = self.last != Some(step.line);
         let breaks = arrives && self.breaks.contains(&step.line);

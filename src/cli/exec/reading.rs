@@ -20,5 +20,8 @@ pub fn line(reading: &Reading) -> String {
         Readings::Sum(sum) => format!("sum {sum}"),
         Readings::Any(any) => format!("any {any}"),
     };
-    format!("line {}: {what}", reading.line)
+    match &reading.origin {
+        Some(origin) => format!("{origin}: {what}"),
+        None => format!("line {}: {what}", reading.line),
+    }
 }

@@ -72,6 +72,12 @@ impl fmt::Display for Written {
     }
 }
 
+/// The file and the line of `file:line`.
+fn in_file(origin: &str) -> Option<(&str, u32)> {
+    let (file, line) = origin.rsplit_once(':')?;
+    Some((file, line.parse().ok()?))
+}
+
 /// What scans have not read of what was set; beside a host that decides, which may look again.
 pub fn lost(ledger: &Ledger, decides: bool) -> Vec<String> {
     let more = if decides {
@@ -126,7 +132,12 @@ impl Report<'_> {
                     Readings::Sum(sum) => json!({"sum": sum}),
                     Readings::Any(any) => json!({"any": any}),
                 };
-                json!({"line": reading.line, "value": value})
+                let mut told = json!({"line": reading.line, "value": value});
+                if let Some((file, line)) = reading.origin.as_deref().and_then(in_file) {
+                    told["file"] = json!(file);
+                    told["line"] = json!(line);
+                }
+                told
             })
             .collect();
         json!({

@@ -30,21 +30,24 @@ impl<'a> Shows<'a> {
         let Some(folder) = self.folder else {
             return Ok(());
         };
-        let mut lines: Vec<u32> = Vec::new();
+        let mut lines: Vec<String> = Vec::new();
         for reading in chip.readings() {
             let Some(picture) = picture(&reading.values, chip) else {
                 continue;
             };
-            let line = reading.line;
+            let line = match &reading.origin {
+                Some(origin) => plain(origin),
+                None => format!("line-{}", reading.line),
+            };
             let again = lines.iter().filter(|it| **it == line).count();
-            lines.push(line);
+            lines.push(line.clone());
             let again = match again {
                 0 => String::new(),
                 again => format!("-{}", again + 1),
             };
-            let title = self.opened.program.titles.get(&line);
+            let title = self.opened.program.titles.get(&reading.line);
             let title = title.map_or_else(String::new, |title| format!("-{}", plain(title)));
-            let name = format!("line-{line}{again}{title}-frame-{index:04}.png");
+            let name = format!("{line}{again}{title}-frame-{index:04}.png");
             let path = folder.join(name);
             write_png(&path, &picture)?;
             self.written.push(path);

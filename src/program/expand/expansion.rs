@@ -124,16 +124,18 @@ pub struct Expanded {
     pub stored: Stored,
 }
 
+/// `file:line` of a place in an included file, which has its column too.
+pub(super) fn line_of(origin: &str) -> &str {
+    origin.rsplit_once(':').map_or(origin, |it| it.0)
+}
+
 impl Expanded {
     /// Where it stands, in words: its line, with the file where that is another.
     #[must_use]
     pub fn stands(&self) -> String {
         match &self.origin {
             None => format!("line {}", self.line),
-            Some(origin) => {
-                let line = origin.rsplit_once(':').map_or(&**origin, |it| it.0);
-                line.to_owned()
-            }
+            Some(origin) => line_of(origin).to_owned(),
         }
     }
 

@@ -8,9 +8,9 @@ mod values;
 
 pub use self::expansion::{Entry, Expanded, Expansion, Overrides, Stored, for_each};
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::Arc};
 
-use self::order::Order;
+use self::{expansion::line_of, order::Order};
 use super::{
     Action, Code, Step, check,
     effect::CellEffect,
@@ -104,6 +104,7 @@ fn steps_of(entries: &[Entry]) -> Vec<Step> {
                     body: steps_of(body),
                 },
                 line: *line,
+                origin: None,
             }),
         }
     }
@@ -138,6 +139,7 @@ type Scope<'a> = &'a [(&'a str, Value)];
 struct Sink {
     steps: Vec<Step>,
     line: u32,
+    origin: Option<Arc<str>>,
     place: Place,
     /// Words so far, in all repetitions.
     length: usize,
@@ -264,6 +266,7 @@ impl<'d> Lowering<'d> {
         let mut sink = Sink {
             steps: Vec::new(),
             line: self.lines.line(statement.place.start),
+            origin: statement.origin.as_deref().map(|it| line_of(it).into()),
             place: statement.place,
             length: 0,
         };
@@ -417,6 +420,7 @@ impl<'d> Lowering<'d> {
                     };
                     let mut inner = Sink {
                         steps: Vec::new(),
+                        origin: sink.origin.clone(),
                         ..*sink
                     };
                     if times > 0 {
@@ -454,8 +458,11 @@ impl<'d> Lowering<'d> {
             )
             .help("repeat less often, or use `repeat N { … }`, which is stored once"));
         }
-        let line = sink.line;
-        sink.steps.push(Step { action, line });
+        sink.steps.push(Step {
+            action,
+            line: sink.line,
+            origin: sink.origin.clone(),
+        });
         Ok(())
     }
 

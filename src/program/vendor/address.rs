@@ -88,8 +88,9 @@ pub(super) fn with_a_sign(machine: &mut Machine<'_>, name: &str, given: &mut [Gi
         return;
     };
     if number != made {
+        let written = value.written();
         *value = passed;
-        tell(machine, (name, *place, SIGNED), (number, made), None);
+        tell(machine, (name, *place, SIGNED), (&written, made), None);
     }
 }
 
@@ -105,6 +106,7 @@ pub(super) fn in_eight_bits(machine: &mut Machine<'_>, name: &str, given: &mut [
     let numbers =
         |given: &[Given]| -> Vec<Option<f64>> { given.iter().map(|it| it.0.number()).collect() };
     let before = numbers(given);
+    let written: Vec<String> = given.iter().map(|it| it.0.written()).collect();
     for ((value, ..), number) in given.iter_mut().zip(&before) {
         let Some(number) = *number else {
             continue;
@@ -122,7 +124,7 @@ pub(super) fn in_eight_bits(machine: &mut Machine<'_>, name: &str, given: &mut [
     let after = numbers(given);
     let wrapped = before.iter().zip(&after).enumerate();
     for (index, (number, made)) in wrapped.filter(|(_, (a, b))| a != b) {
-        let (Some(number), Some(made)) = (*number, *made) else {
+        let (Some(_), Some(made)) = (number, *made) else {
             continue;
         };
         let turned = if has_corners(name) {
@@ -131,7 +133,7 @@ pub(super) fn in_eight_bits(machine: &mut Machine<'_>, name: &str, given: &mut [
             None
         };
         let given = (name, given[index].1, LABEL);
-        tell(machine, given, (number, made), turned);
+        tell(machine, given, (&written[index], made), turned);
     }
 }
 
@@ -160,7 +162,7 @@ fn turned(index: usize, before: &[Option<f64>], after: &[Option<f64>]) -> Option
 fn tell(
     machine: &mut Machine<'_>,
     (name, place, label): (&str, Place, &str),
-    (number, made): (f64, f64),
+    (number, made): (&str, f64),
     turned: Option<f64>,
 ) {
     let mut told = machine.faults.iter();

@@ -5,7 +5,7 @@ use super::{
     beside::HELD,
     machine::{GAIN, Location, Machine},
     shape,
-    tree::{Expr, ExprNode, Kind},
+    tree::{Expr, ExprNode, Kind, Word},
     value::{Slot, Value},
     why::Why,
 };
@@ -56,23 +56,69 @@ impl Machine<'_> {
     /// Memory as numbers of another type. What those are is not worked out: where the types differ,
     /// neither is known from then on.
     pub(super) fn recast(&mut self, kind: Kind, of: &Expr) -> Value {
-        let kind = self.resolved(kind);
+        let (slot, name, ..) = match self.seen(kind, of) {
+            Ok(seen) => seen,
+            Err(value) => return value,
+        };
+        let why = Why::Never(format!("`{name}`, which is seen as numbers of another type,").into());
+        self.forget(slot, &[], &why);
+        self.fixed.insert(slot);
+        Value::Unknown(why)
+    }
+
+    /// A variable that is seen as numbers of this type, with its name, the type of those that it holds
+    /// and a pointer to the first; what it is where there is no question of types.
+    fn seen(&mut self, kind: Kind, of: &Expr) -> Result<(Slot, Word, Kind, Value), Value> {
         let Value::Pointer(slot, path, name) = self.value(of) else {
-            return Value::Unknown("memory that is seen as numbers of another type".into());
+            let why = Why::never("memory that is seen as numbers of another type");
+            return Err(Value::Unknown(why));
         };
         let mut first = Vec::new();
         leaves(&self.slots[slot], &path, &mut Vec::new(), 1, &mut first);
         let Some(first) = first.pop() else {
-            return Value::Pointer(slot, path, name);
+            return Err(Value::Pointer(slot, path, name));
         };
         let held = self.kind_at(slot, &first);
-        if held == kind || held == Kind::Any {
-            return Value::Pointer(slot, first, name);
+        let value = Value::Pointer(slot, first, name.clone());
+        if held == Kind::Any || held == self.resolved(kind) {
+            return Err(value);
         }
-        let why: Why = format!("`{name}`, which is seen as numbers of another type,").into();
-        self.forget(slot, &[], &why);
-        self.fixed.insert(slot);
-        Value::Unknown(why)
+        Ok((slot, name, held, value))
+    }
+
+    /// Memory that what is read from the array is written into, seen as numbers as large as those
+    /// that it holds; `None` where they are others, which is told.
+    pub(super) fn buffer(&mut self, name: &str, it: &Expr) -> Option<Value> {
+        let ExprNode::Recast(kind, of) = &it.node else {
+            return Some(self.value(it));
+        };
+        let (slot, array, held, value) = match self.seen(*kind, of) {
+            Ok(seen) => seen,
+            Err(value) => return Some(value),
+        };
+        let kind = self.resolved(*kind);
+        let whole = |kind| matches!(kind, Kind::Bits(..));
+        if whole(held) && whole(kind) && held.bytes() == kind.bytes() {
+            return Some(value);
+        }
+        // So that nothing is told of what it decides.
+        let mut all = Vec::new();
+        let values = &self.slots[slot];
+        leaves(values, &[], &mut Vec::new(), VENDOR_VALUES, &mut all);
+        for cell in &all {
+            self.put(slot, cell, Value::Whole(0));
+        }
+        let (writes, write) = match kind {
+            Kind::Bits(8, _) => ("bytes", "`uint8_t`"),
+            _ => ("numbers of the type of this cast", "that type"),
+        };
+        let message =
+            format!("`{name}` writes {writes}, and `{array}` holds numbers of another size");
+        let help = format!(
+            "declare `{array}` as an array of {write}, and put larger numbers together from its elements"
+        );
+        self.error(it.place, message, "seen as numbers of another type", &help);
+        None
     }
 
     /// A value that is given to what reads or writes memory, whatever type it is seen as.

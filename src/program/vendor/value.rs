@@ -11,6 +11,9 @@ use super::{
 };
 use crate::limit::VENDOR_VALUES;
 
+/// Asking for memory and giving it back takes about as long as copying so many values.
+const OWN_MEMORY: usize = 16;
+
 /// The index of a variable.
 pub(super) type Slot = usize;
 
@@ -69,6 +72,16 @@ impl Value {
         }
     }
 
+    /// What copying it takes, in values: one that holds others has memory of its own.
+    pub(super) fn weight(&self) -> usize {
+        match self {
+            Self::List(all) | Self::Record(_, all) => {
+                OWN_MEMORY + all.iter().map(Self::weight).sum::<usize>()
+            }
+            other => other.size(),
+        }
+    }
+
     /// How many values a variable with it holds, as its declaration is counted: one more for each
     /// object.
     pub(super) fn held(&self) -> usize {
@@ -102,6 +115,17 @@ impl Value {
         match self {
             Self::Single(value) => value.to_string().parse().ok(),
             other => other.number(),
+        }
+    }
+
+    /// A number in letters; nothing for what is none.
+    pub(super) fn written(&self) -> String {
+        match self {
+            Self::Wide(value, Width::UnsignedLong) => (*value as u64).to_string(),
+            Self::Whole(value) | Self::Wide(value, _) => value.to_string(),
+            Self::Real(value) => value.to_string(),
+            Self::Single(value) => value.to_string(),
+            _ => String::new(),
         }
     }
 
@@ -397,9 +421,9 @@ impl Value {
 
     pub(super) fn describe(&self) -> String {
         match self {
-            Self::Whole(value) | Self::Wide(value, _) => format!("the number {value}"),
-            Self::Real(value) => format!("the number {value}"),
-            Self::Single(value) => format!("the number {value}"),
+            Self::Whole(_) | Self::Wide(..) | Self::Real(_) | Self::Single(_) => {
+                format!("the number {}", self.written())
+            }
             Self::Unknown(why) => format!("a value of which {why} decides"),
             Self::Symbol(name) | Self::Pointer(_, _, name) | Self::Back(_, _, name) => {
                 format!("`{name}`")

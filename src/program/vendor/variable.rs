@@ -21,7 +21,7 @@ impl Machine<'_> {
     /// A new variable, without a name.
     pub(super) fn hold(&mut self, value: Value, kind: Kind) -> Slot {
         let values = value.size();
-        self.passes(values);
+        self.passes(value.weight());
         let slot = self.free.pop().unwrap_or(self.slots.len());
         if slot == self.slots.len() {
             self.slots.push(value);
@@ -119,7 +119,7 @@ impl Machine<'_> {
     pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {
         let beyond = || Value::Unknown("what lies beyond an array".into());
         let value = self.peek(slot, path).cloned().unwrap_or_else(beyond);
-        self.passes(value.size());
+        self.passes(value.weight());
         value
     }
 
@@ -140,7 +140,7 @@ impl Machine<'_> {
 
     pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
         let values = value.size();
-        self.passes(values);
+        self.passes(value.weight());
         if let Some(target) = self.target(slot, path) {
             *target = value;
             self.grows(values);

@@ -424,7 +424,7 @@ impl Machine<'_> {
 /// `std::to_string(number)`
 fn as_text(given: &[Value]) -> Value {
     match given {
-        [Value::Whole(value) | Value::Wide(value, _)] => Value::Text(value.to_string().into()),
+        [value @ (Value::Whole(_) | Value::Wide(..))] => Value::Text(value.written().into()),
         [value @ (Value::Real(_) | Value::Single(_))] => {
             let value = value.number().unwrap_or_default();
             Value::Text(format!("{value:.6}").into())

@@ -342,12 +342,12 @@ impl Machine<'_> {
             }
             _ => return None,
         }
-        let moved = match member {
-            "push_back" | "emplace_back" | "pop_back" => given.iter().map(Value::size).sum(),
-            _ => length + all.iter().map(Value::size).sum::<usize>(),
-        };
-        self.passes(moved);
-        self.grows(moved);
+        let one = matches!(member, "push_back" | "emplace_back" | "pop_back");
+        let (moved, before) = if one { (given, 0) } else { (&all[..], length) };
+        let values = before + moved.iter().map(Value::size).sum::<usize>();
+        let weight = before + moved.iter().map(Value::weight).sum::<usize>();
+        self.passes(weight);
+        self.grows(values);
         Some(found)
     }
 

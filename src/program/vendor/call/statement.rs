@@ -208,13 +208,25 @@ impl Machine<'_> {
         true
     }
 
+    /// What a call is given; `None` where a buffer holds other numbers than what is read.
+    fn passed(&mut self, name: &str, given: &[Expr]) -> Option<Vec<Given>> {
+        let reads = host::role(name, given.len()) == Role::Read;
+        let value = |it: &Expr| {
+            let value = if reads {
+                self.buffer(name, it)?
+            } else {
+                self.value(it)
+            };
+            Some((value, it.place, base_name(it)))
+        };
+        given.iter().map(value).collect()
+    }
+
     /// A word, a macro or an operation of the host.
     pub(super) fn chip(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
-        let mut values = Vec::new();
-        for it in given {
-            let place = it.place;
-            values.push((self.value(it), place, base_name(it)));
-        }
+        let Some(values) = self.passed(name, given) else {
+            return Value::Whole(0);
+        };
         if self.out_of_scope(&values) {
             return Value::Whole(0);
         }
