@@ -34,6 +34,7 @@ use super::{
     content::Content,
     event_rate::NoRate,
     files::{Named, Output},
+    heading,
     kernel_names::KernelNames,
     light,
     progress::Progress,
@@ -52,35 +53,43 @@ pub struct Arguments {
     kernels: KernelNames,
     #[command(flatten)]
     no_rate: NoRate,
-    /// One quantiser, or several with commas between
+    /// Quantiser, or several separated by commas
+    ///
+    /// The list of quantisers is at the end of this help.
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
-    /// What the quantised kernel must sum to
+    /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// Seed of stochastic rounding, and with a threshold of the searches and of the silicon
-    /// [default: 0]
+    /// Seed of stochastic rounding; with --threshold also of the searches and the silicon [default:
+    /// 0]
     #[arg(long)]
     seed: Option<u64>,
-    /// Write the levels as a kernel file
+    /// Write the levels to a kernel file
     #[arg(short, long, value_name = "FILE.toml", value_parser = Content::Kernel)]
     output: Option<Output>,
-    /// Draw the kernel and each of the quantised ones, side by side
+    /// Draw the kernel beside its quantised versions
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     picture: Option<Output>,
-    /// Compile each for the chip and run it against the float kernel: events where kernel times
-    /// light (0 to 255) moved by more than this: one number for all kernels, or one for each; a
-    /// sensor file has its own
-    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
+    /// Compile each version for the chip and compare its events with the float kernel's
+    ///
+    /// This is the threshold in kernel times light (0 to 255): one number for all kernels, or one
+    /// for each. A cell has an event when its drive has moved by more than this. A sensor file has
+    /// its own thresholds.
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS", help_heading = heading::CHIP)]
     threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// A shipped chip by name, or the folder of another, with a threshold [default: scamp5]
-    #[arg(long)]
+    /// Chip: the name of a shipped one, or the folder of your own (with a threshold) [default:
+    /// scamp5]
+    #[arg(long, help_heading = heading::CHIP)]
     chip: Option<Named>,
-    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same, with a threshold
-    /// [default: 1]
-    #[arg(long, value_parser = super::effort::seconds)]
+    /// Search effort for each program, in seconds (with a threshold) [default: 1]
+    ///
+    /// Seconds are those of two cores of 2024 for one 3x3 kernel; larger kernels and several
+    /// kernels take a few times as long. The effort is counted in states of the search, so a slower
+    /// computer takes longer and finds the same program.
+    #[arg(long, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: Option<f64>,
     #[command(flatten)]
     window: Window,
