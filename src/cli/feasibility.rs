@@ -54,8 +54,8 @@ pub struct Arguments {
     kernels: KernelNames,
     /// Thresholds in kernel times light (0 to 255): one for all kernels, or one for each
     ///
-    /// A cell has an event when its drive has moved by more than this. A sensor file has its own
-    /// thresholds. Excludes --rate.
+    /// A cell has an event when its drive has moved by more than this. Required, unless --rate is
+    /// given or KERNELS are sensor files, which have their own. Excludes --rate.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Events per pixel and second to reach, all kernels together
@@ -85,7 +85,7 @@ pub struct Arguments {
     /// for which the chip has room.
     #[arg(long, value_name = "WHERE", value_parser = memory)]
     memory: Option<DriveMemory>,
-    /// Chip: the name of a shipped one, or the folder of your own
+    /// Name of a shipped chip, or folder of your own
     #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
     chip: Named,
     /// Exposure of each frame, such as 2ms

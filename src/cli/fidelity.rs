@@ -23,7 +23,7 @@ use super::{budget, heading};
 /// `--fidelity` of `amacrine run`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Fidelity {
-    /// Model to run: the full one, or one that leaves out what hardly matters [default: full]
+    /// Model: full, or one that leaves out what hardly matters [default: full]
     ///
     /// With `auto` a pilot measures on a sample of tiles what each omission changes in this scene.
     /// The program prints what it leaves out.

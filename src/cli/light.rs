@@ -38,7 +38,9 @@ pub struct Samples {
     /// Part of the picture to show: its middle, or +X+Y from its left and its top
     #[arg(long, value_name = "WxH[+X+Y]", help_heading = heading::SCENE)]
     crop: Option<Crop>,
-    /// Size to which the picture is reduced; each pixel has the mean of the light that falls on it
+    /// Size to which the picture is reduced
+    ///
+    /// Each of the larger pixels has the mean of the light that falls on it.
     #[arg(long, value_name = "WxH", value_parser = recording::size, help_heading = heading::SCENE)]
     resize: Option<Size>,
 }

@@ -22,8 +22,7 @@ pub struct Source {
     /// Program file, or a name that `amacrine list programs` prints; bare statements are a whole
     /// program
     program: Input,
-    /// Chip: the name of a shipped one, or the folder of your own [default: the one of the
-    /// program's settings]
+    /// Name of a shipped chip, or folder of your own [default: as the program's settings say]
     #[arg(long)]
     chip: Option<Named>,
     /// Constant of the program to set; may be repeated

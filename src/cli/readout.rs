@@ -17,7 +17,9 @@ use crate::{
 /// Which readout, and with which settings.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Choice {
-    /// Readout of the packet: ideal, scan, arbiter, frame, or a file like those in readouts/
+    /// Readout of the packet: ideal, scan, arbiter, frame, or a file
+    ///
+    /// Files are like those in readouts/.
     #[arg(long, value_name = "NAME|FILE.toml", help_heading = heading::READOUT)]
     readout: Option<Named>,
     /// Setting of the readout, such as fifo=64 or link=1us; may be repeated

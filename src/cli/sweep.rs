@@ -46,12 +46,14 @@ pub struct Arguments {
     /// Study file, or a name that `amacrine list studies` prints
     #[arg(required_unless_present = "schema")]
     study: Option<Input>,
-    /// Key of the study to set, such as format=f32,q8.8, sample.points=64 or array.domain=exact
+    /// Key of the study to set; may be repeated
+    ///
+    /// Such as format=f32,q8.8, sample.points=64 or array.domain=exact.
     #[arg(value_name = "KEY=VALUE", value_parser = set)]
     sets: Vec<Override>,
     /// Folder of the results
     ///
-    /// Default: the name of the study without its ending, and a hash of what was set.
+    /// Default: the name of the study without its ending, plus a hash of the keys that are set.
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
     /// Shard to compute: the points whose number leaves i when divided by n
@@ -77,7 +79,9 @@ pub struct Arguments {
     /// Write results.parquet, too
     #[arg(long)]
     parquet: bool,
-    /// Print the space of the study as JSON, for the search of another tool, and do nothing else
+    /// Print the space of the study as JSON, and do nothing else
+    ///
+    /// This is for the search of another tool.
     #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet"], help_heading = heading::POINTS)]
     space: bool,
     /// Compute this point of the space, and print its row as a JSON line; may be repeated

@@ -55,8 +55,8 @@ pub struct Arguments {
     kernels: KernelNames,
     /// Thresholds in kernel times light (0 to 255): one for all kernels, or one for each
     ///
-    /// A cell has an event when its drive has moved by more than this. A sensor file has its own
-    /// thresholds.
+    /// A cell has an event when its drive has moved by more than this. Required, unless KERNELS are
+    /// sensor files, which have their own.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Quantiser of the kernel (`amacrine quantise --help` lists them)
@@ -67,7 +67,7 @@ pub struct Arguments {
     sum: Total,
     #[command(flatten)]
     clip: Clip,
-    /// Chip: the name of a shipped one, or the folder of your own
+    /// Name of a shipped chip, or folder of your own
     #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
     chip: Named,
     /// Number of the chip to change, such as error.noise=0.1; may be repeated

@@ -104,7 +104,8 @@ pub struct Arguments {
     /// Threshold in kernel times light (0 to 255): one for all kernels, or one for each
     ///
     /// A cell has an event when its drive has moved by more than this. The threshold holds for ON
-    /// and OFF alike. (In `run`, two numbers are ON and OFF of all kinds.)
+    /// and OFF alike. (In `run`, two numbers are ON and OFF of all kinds.) Required, unless
+    /// --sensor or --filter-only is given.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Memory of the program: analogue, bits:N or shared
@@ -141,7 +142,7 @@ pub struct Arguments {
     /// `amacrine asm` and `amacrine exec` read both.
     #[arg(long = "as", value_enum, value_name = "LANGUAGE")]
     language: Option<Language>,
-    /// Chip: the name of a shipped one, or the folder of your own
+    /// Name of a shipped chip, or folder of your own
     #[arg(long, default_value = "scamp5")]
     chip: Named,
     /// Objective: what the program is to be best at

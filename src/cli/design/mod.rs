@@ -60,7 +60,8 @@ pub struct Arguments {
     rate: Option<f64>,
     /// Thresholds in kernel times light (0 to 255): one for all kernels, or one for each
     ///
-    /// A sensor file has its own. Excludes --rate.
+    /// Required, unless --rate is given or KERNELS are sensor files, which have their own. Excludes
+    /// --rate.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     #[command(flatten)]
@@ -76,7 +77,7 @@ pub struct Arguments {
     /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// Chip: the name of a shipped one, or the folder of your own
+    /// Name of a shipped chip, or folder of your own
     #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
     chip: Named,
     #[command(flatten)]

@@ -45,10 +45,14 @@ pub struct Arguments {
     pub(super) fps: Option<f64>,
     #[arg(long, help = format!("Arithmetic of the cells: {} [default: as the program says, else exact]", Arithmetic::names()))]
     pub(super) domain: Option<String>,
-    /// Clip every store to the chip's range [default: as the program says, else the chip]
+    /// Clip every store to the chip's range
+    ///
+    /// Default: as the program says, else as the chip's data say.
     #[arg(long, value_enum, help_heading = heading::CHIP)]
     pub(super) clip: Option<Switch>,
-    /// Value of registers beyond the border, in LSB [default: as the program says, else the chip]
+    /// Value of registers beyond the border, in LSB
+    ///
+    /// Default: as the program says, else as the chip's data say.
     #[arg(long, help_heading = heading::CHIP)]
     pub(super) edge: Option<f64>,
     /// Rise of PIX for one level of light, in LSB [default: as the chip's data say]

@@ -49,8 +49,9 @@ pub struct Arguments {
     /// Frames per second, in place of what the scene says
     #[arg(long, help_heading = heading::SCENE)]
     fps: Option<f64>,
-    /// Conversion of light to the signal, as in a sensor file: identity, or { log = { white = 255,
-    /// offset = 1e-5 } }
+    /// Conversion of light to the signal, as in a sensor file
+    ///
+    /// Such as identity, or { log = { white = 255, offset = 1e-5 } }.
     #[arg(long, default_value = "identity", value_parser = response)]
     response: Response,
     /// Course of the signal between two frames

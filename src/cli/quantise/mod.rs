@@ -61,8 +61,9 @@ pub struct Arguments {
     /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// Seed of stochastic rounding; with --threshold also of the searches and the silicon [default:
-    /// 0]
+    /// Seed of stochastic rounding [default: 0]
+    ///
+    /// With --threshold it is the seed of the searches and of the silicon, too.
     #[arg(long)]
     seed: Option<u64>,
     /// Write the levels to a kernel file
@@ -73,18 +74,17 @@ pub struct Arguments {
     picture: Option<Output>,
     /// Compile each version for the chip and compare its events with the float kernel's
     ///
-    /// This is the threshold in kernel times light (0 to 255): one number for all kernels, or one
-    /// for each. A cell has an event when its drive has moved by more than this. A sensor file has
-    /// its own thresholds.
+    /// The value is the threshold in kernel times light (0 to 255): one number for all kernels, or
+    /// one for each. A cell has an event when its drive has moved by more than this. Sensor files
+    /// have their own, and are compiled without this option, too.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS", help_heading = heading::CHIP)]
     threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// Chip: the name of a shipped one, or the folder of your own (with a threshold) [default:
-    /// scamp5]
+    /// Name of a shipped chip, or folder of your own, with --threshold [default: scamp5]
     #[arg(long, help_heading = heading::CHIP)]
     chip: Option<Named>,
-    /// Search effort for each program, in seconds (with a threshold) [default: 1]
+    /// Search effort for each program in seconds, with --threshold [default: 1]
     ///
     /// Seconds are those of two cores of 2024 for one 3x3 kernel; larger kernels and several
     /// kernels take a few times as long. The effort is counted in states of the search, so a slower

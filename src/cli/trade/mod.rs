@@ -54,8 +54,7 @@ pub struct Arguments {
     /// Excludes --sensor and --upsample.
     #[arg(long)]
     program: Option<Input>,
-    /// Chip: the name of a shipped one, or the folder of your own [default: the one of the
-    /// program's settings]
+    /// Name of a shipped chip, or folder of your own [default: as the program's settings say]
     #[arg(long, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
     chip: Option<Named>,
     /// Constant of the program to set; may be repeated
