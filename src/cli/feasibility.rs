@@ -109,9 +109,9 @@ pub struct Arguments {
     chips: u64,
     /// Search effort for each program, in seconds
     ///
-    /// Seconds are those of two cores of 2024 for one 3x3 kernel; larger kernels and several
-    /// kernels take a few times as long. The effort is counted in states of the search, so a slower
-    /// computer takes longer and finds the same program.
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
@@ -125,8 +125,8 @@ pub struct Arguments {
     json: bool,
     /// Print what a number is made of, in place of the report
     ///
-    /// NUMBER is a name such as `array_us`, ceiling or power.busy, a figure such as error.noise, or
-    /// a place in the JSON such as /power/known.
+    /// The number is given by a name such as `array_us`, ceiling or power.busy, by a figure such as
+    /// error.noise, or by a place in the JSON such as /power/known.
     #[arg(long, value_name = "NUMBER")]
     explain: Option<String>,
 }

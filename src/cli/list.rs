@@ -17,9 +17,9 @@ use crate::{
     after_help = "Examples:\n  amacrine list sensors\n  amacrine list sensors rgc-4 > mine.toml\n  amacrine list patterns bar\n  amacrine run --scene bundled --sensor rgc-4\n\nA name can stand wherever a file of that kind is read; a file of that name is taken first."
 )]
 pub struct Arguments {
-    /// Kind of thing
+    /// Kind to list
     of: Of,
-    /// Name of the one whose text to print
+    /// Name of one of them, to print its text
     name: Option<String>,
 }
 

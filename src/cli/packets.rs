@@ -44,6 +44,8 @@ pub struct Arguments {
     #[command(flatten)]
     readout: readout::Choice,
     /// Write the packet behind the readout: the events that arrive
+    ///
+    /// Requires --readout.
     #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
     output: Option<Output>,
     /// Print JSON in place of text

@@ -24,17 +24,17 @@ pub struct Arguments {
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
-    /// sensors/*.toml
+    /// Float sensor (sensors/*.toml)
     Sensor,
-    /// kernels/*.toml
+    /// Kernel (kernels/*.toml)
     Kernel,
-    /// studies/*.toml
+    /// Study for `sweep` (studies/*.toml)
     Study,
-    /// readouts/*.toml
+    /// Readout (readouts/*.toml)
     Readout,
-    /// programs/**/*.scamp
+    /// Program of the array (programs/**/*.scamp)
     Program,
-    /// isa/*/device.toml and primitives.toml
+    /// Chip (isa/*/device.toml and primitives.toml)
     Chip,
 }
 

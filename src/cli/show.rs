@@ -32,7 +32,9 @@ pub struct Arguments {
     ///
     /// Kinds are sensor, program, kernel, study, readout, chip and pattern.
     file: Input,
-    /// Name of what comes with the program (`amacrine list sensors`), to print its text
+    /// Name of the thing to print (see `amacrine list sensors`)
+    ///
+    /// Excludes all options of a picture.
     #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json", "size", "stream"])]
     name: Option<String>,
     #[command(flatten)]

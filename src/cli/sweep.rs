@@ -56,7 +56,7 @@ pub struct Arguments {
     /// Default: the name of the study without its ending, plus a hash of the keys that are set.
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
-    /// Shard to compute: the points whose number leaves i when divided by n
+    /// Shard to compute: the points whose number leaves a remainder of i when divided by n
     #[arg(long, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
     /// Number of points at a time, each on one thread [default: as many as there are cores]

@@ -47,12 +47,12 @@ pub struct Arguments {
     /// Sensor file that made the reference
     ///
     /// It is run on the scene at other thresholds. This tells which change of its threshold costs
-    /// as much, and which has as many events.
+    /// as much, and which has as many events. The options under Scene need it.
     #[arg(long)]
     sensor: Option<files::Input>,
     #[command(flatten)]
     clip: Clip,
-    /// Insert frames, as `amacrine run` does (with --sensor)
+    /// Insert frames, as `amacrine run` does
     #[arg(long, value_name = "CONTRAST", requires = "sensor", help_heading = heading::SCENE)]
     upsample: Option<f64>,
     /// Number of bins of the voxel grids

@@ -145,7 +145,7 @@ pub struct Arguments {
     /// Name of a shipped chip, or folder of your own
     #[arg(long, default_value = "scamp5")]
     chip: Named,
-    /// Objective: what the program is to be best at
+    /// Objective of the search
     #[arg(long, value_enum, default_value_t, help_heading = heading::SEARCH)]
     objective: Aim,
     /// Print the Pareto front of words and correlation on the chip, with --filter-only
@@ -154,11 +154,11 @@ pub struct Arguments {
     /// --output, --as and --objective.
     #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "language", "objective", "sensor", "threshold"], help_heading = heading::FILTER)]
     front: bool,
-    /// Search effort in seconds
+    /// Search effort, in seconds
     ///
-    /// Seconds are those of two cores of 2024 for one 3x3 kernel; larger kernels and several
-    /// kernels take a few times as long. The effort is counted in states of the search, so a slower
-    /// computer takes longer and finds the same program.
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the search; another seed may find another program

@@ -93,9 +93,9 @@ pub struct Arguments {
     chips: Option<u64>,
     /// Search effort for each program, in seconds
     ///
-    /// Seconds are those of two cores of 2024 for one 3x3 kernel; larger kernels and several
-    /// kernels take a few times as long. The effort is counted in states of the search, so a slower
-    /// computer takes longer and finds the same program.
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon

@@ -30,8 +30,9 @@ pub struct Arguments {
     anisotropic: bool,
     /// Penalty that holds the gains down
     ///
-    /// For each squared gain, relative to the norm of the kernel, it is added once to the squared
-    /// relative error.
+    /// The fit minimises the squared relative error plus this number times the sum of the squared
+    /// gains, with gains relative to the norm of the kernel. With 0 it takes the least penalty that
+    /// keeps two sheets apart, and prints it.
     #[arg(long, default_value_t = 1e-4)]
     ridge: f64,
     /// Print JSON in place of text

@@ -72,23 +72,24 @@ pub struct Arguments {
     /// Draw the kernel beside its quantised versions
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     picture: Option<Output>,
-    /// Compile each version for the chip and compare its events with the float kernel's
+    /// Threshold at which each version runs on the chip, beside the float kernel
     ///
-    /// The value is the threshold in kernel times light (0 to 255): one number for all kernels, or
-    /// one for each. A cell has an event when its drive has moved by more than this. Sensor files
-    /// have their own, and are compiled without this option, too.
+    /// In kernel times light (0 to 255): one number for all kernels, or one for each. A cell has an
+    /// event when its drive has moved by more than this. Sensor files have their own and run
+    /// without this option, too. The other options under Chip, Scene, Search and Comparison need a
+    /// threshold.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS", help_heading = heading::CHIP)]
     threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// Name of a shipped chip, or folder of your own, with --threshold [default: scamp5]
+    /// Name of a shipped chip, or folder of your own [default: scamp5]
     #[arg(long, help_heading = heading::CHIP)]
     chip: Option<Named>,
-    /// Search effort for each program in seconds, with --threshold [default: 1]
+    /// Search effort for each program, in seconds [default: 1]
     ///
-    /// Seconds are those of two cores of 2024 for one 3x3 kernel; larger kernels and several
-    /// kernels take a few times as long. The effort is counted in states of the search, so a slower
-    /// computer takes longer and finds the same program.
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
     #[arg(long, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: Option<f64>,
     #[command(flatten)]
