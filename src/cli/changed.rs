@@ -3,7 +3,7 @@
 
 use miette::WrapErr;
 
-use super::{event_rate::event_rate, files::Named, kernels};
+use super::{event_rate::event_rate, files::Named, heading, kernels};
 use crate::{
     kernel::Kernel,
     number::Format,
@@ -16,22 +16,29 @@ use crate::{
 /// What is other than in the sensor file.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Changes {
-    /// These kernels in place of the file's, a kind of cell for each: files (.toml, .npy of shape
-    /// (k,k), (K,k,k) or (K,1,k,k)) or built-in ones
-    #[arg(long, value_delimiter = ',', value_name = "KERNELS")]
+    /// Kernels in place of the file's, one for each kind of cell
+    ///
+    /// Files (.toml, or .npy of shape (k,k), (K,k,k) or (K,1,k,k)) or names of built-in kernels,
+    /// separated by commas.
+    #[arg(long, value_delimiter = ',', value_name = "KERNELS", help_heading = heading::SENSOR)]
     kernel: Vec<Named>,
-    /// This threshold in place of the file's, for ON and OFF, or one for each sign; of every kind
-    /// (`compile` and other verbs take one for each kind instead). The spread from cell to cell
-    /// (`sigma`) stays that of the file, in the threshold's unit: --sigma says another
-    #[arg(long, value_name = "ON[,OFF]", conflicts_with = "rate", value_parser = on_and_off)]
+    /// Threshold of all kinds in place of the file's: one for both signs, or ON,OFF
+    ///
+    /// (`compile` and other verbs take one threshold for each kind instead.) The spread from cell
+    /// to cell (`sigma`) stays as in the file, in the threshold's unit; --sigma sets another.
+    /// Excludes --rate.
+    #[arg(long, value_name = "ON[,OFF]", conflicts_with = "rate", value_parser = on_and_off, help_heading = heading::SENSOR)]
     threshold: Option<[f64; 2]>,
-    /// The spread of thresholds from cell to cell, their standard deviation, in place of the file's;
-    /// 0: all cells alike
-    #[arg(long, value_name = "SIGMA", conflicts_with = "rate")]
+    /// Standard deviation of thresholds from cell to cell, in place of the file's
+    ///
+    /// In the threshold's unit. With 0 all cells are alike. Excludes --rate.
+    #[arg(long, value_name = "SIGMA", conflicts_with = "rate", help_heading = heading::SENSOR)]
     sigma: Option<f64>,
-    /// Thresholds for so many events per pixel and second, all kinds together: the file's and their
-    /// spreads, all times the same number; the rate that was reached is told, mostly within 3 %
-    #[arg(long, value_name = "EVENTS", value_parser = event_rate)]
+    /// Events per pixel and second to reach, all kinds together
+    ///
+    /// The program multiplies all thresholds of the file, and their spreads, by one factor. It
+    /// prints the rate reached, mostly within 3 %. Excludes --threshold and --sigma.
+    #[arg(long, value_name = "EVENTS", value_parser = event_rate, help_heading = heading::SENSOR)]
     rate: Option<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! What is shown to sensors, the same for every verb that has a scene of its own to show: the
 //! scene, its rate, and what its samples mean.
 
-use super::{files::Named, light::Samples};
+use super::{files::Named, heading, light::Samples};
 use crate::{
     isa::Device,
     rig::Larger,
@@ -20,11 +20,11 @@ pub(super) fn goes_on(scene: &str) -> bool {
 /// `--scene`, `--fps`, and what its samples mean.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct Clip {
-    /// What they watch: a clip, image folder, .npy or pattern [default: the bundled clip]
-    #[arg(long, alias = "image")]
+    /// Scene: a clip, image folder, .npy or pattern [default: the bundled clip]
+    #[arg(long, alias = "image", help_heading = heading::SCENE)]
     scene: Option<Named>,
-    /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,

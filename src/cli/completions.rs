@@ -8,7 +8,7 @@ use clap_complete::{Shell, generate};
     after_help = "Examples:\n  amacrine completions bash > ~/.local/share/bash-completion/completions/amacrine\n  amacrine completions zsh > ~/.zfunc/_amacrine\n  amacrine completions fish > ~/.config/fish/completions/amacrine.fish"
 )]
 pub struct Arguments {
-    /// Which shell
+    /// Shell
     shell: Shell,
 }
 

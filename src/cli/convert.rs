@@ -13,6 +13,7 @@ use super::{
     content::Content,
     files::{self, Input, Output},
     flip::Flip,
+    heading,
     in_order::Events,
     progress::Progress,
     recording::{self, Recording},
@@ -33,45 +34,55 @@ use crate::{
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Arguments {
-    /// The event file to read
+    /// Event file to read
     a: Input,
-    /// The event file to write
+    /// Event file to write
     #[arg(value_parser = Content::Converted)]
     b: Output,
-    /// The format of A, where its name and first bytes do not say it
-    #[arg(long, value_name = "NAME")]
+    /// Format of A, if its name and its first bytes do not say it
+    #[arg(long, value_name = "NAME", help_heading = heading::INPUT)]
     from: Option<Format>,
-    #[arg(long, help = format!("The format of B, where its extension does not say it: {}", Format::names()), value_name = "NAME")]
+    #[arg(long, help = format!("Format of B, if its extension does not say it: {}", Format::names()), value_name = "NAME")]
     format: Option<Format>,
-    /// How packets of aedat4 are compressed [default: lz4]
+    /// Compression of the packets of an aedat4 file [default: lz4]
     #[arg(long, value_name = "lz4|zstd|none", value_parser = compression)]
     compression: Option<Compression>,
     #[command(flatten)]
     recording: Recording,
-    /// Only the events from FROM on and before TO, each with its unit; either may be left out.
-    /// Windows (`voxels`, `show`) have those after their start and up to their end
+    /// Events to keep: those from FROM on and before TO, such as 1s..2.5s
+    ///
+    /// Each time has its unit; either may be left out. (A window of `voxels` or `show` has the
+    /// events after its start and up to its end.)
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
     slice: Option<(Micros, Micros)>,
-    /// Times from the start of the recording on, or of the slice: for formats that hold no times of
-    /// the day
+    /// Count times from the start of the recording, or of the slice
+    ///
+    /// This is for formats that cannot hold the time of day.
     #[arg(long)]
     from_zero: bool,
-    /// Only this kind of cell (which of the ganglion cells of a pixel), from 0
+    /// Kind of cell to keep, a number from 0 (which ganglion cell of a pixel)
+    ///
+    /// Excludes --each-kind.
     #[arg(long, value_name = "N", conflicts_with = "each_kind")]
     kind: Option<u8>,
-    /// One file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …
+    /// Write one file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …
+    ///
+    /// Excludes --kind.
     #[arg(long)]
     each_kind: bool,
-    /// Count columns (x), rows (y) or both (xy: half a turn) from the other side of the sensor, whose
-    /// size the file or --size says: files of jAER and v2e (.aedat) have rows from the bottom and
-    /// columns from the right
+    /// Flip columns (x), rows (y) or both (xy, half a turn)
+    ///
+    /// The size of the sensor comes from the file or from --size. Files of jAER and v2e (.aedat)
+    /// count rows from the bottom and columns from the right.
     #[arg(long, value_name = "x|y|xy")]
     flip: Option<Flip>,
-    /// Sort the events by time, where they are in no order. All of them are held in memory at once
+    /// Sort the events by time
+    ///
+    /// All of them must fit into memory at once.
     #[arg(long)]
     sort: bool,
-    /// Keep the events before the first damage, and say what the damage is
-    #[arg(long)]
+    /// Keep the events before the first damage, and print what the damage is
+    #[arg(long, help_heading = heading::INPUT)]
     salvage: bool,
     /// Print JSON in place of text
     #[arg(long)]

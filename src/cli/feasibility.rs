@@ -31,6 +31,7 @@ use super::{
     content::Content,
     event_rate::event_rate,
     files::{Named, Output},
+    heading,
     kernel_names::KernelNames,
     kernels::Kinds,
     light::{self, WithLight},
@@ -51,64 +52,81 @@ use super::{
 pub struct Arguments {
     #[command(flatten)]
     kernels: KernelNames,
-    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
-    /// kernels, or one for each; a sensor file has its own
+    /// Thresholds in kernel times light (0 to 255): one for all kernels, or one for each
+    ///
+    /// A cell has an event when its drive has moved by more than this. Required, unless --rate is
+    /// given or KERNELS are sensor files, which have their own. Excludes --rate.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
-    /// Instead of thresholds: events per pixel and second, all kernels together, each an equal
-    /// share: the thresholds are found, of a float sensor of each kernel by itself (`design` finds
-    /// those of all kinds in one program, with the memory that they share)
+    /// Events per pixel and second to reach, all kernels together
+    ///
+    /// The program finds the thresholds; each kernel has an equal share of the events. Each
+    /// threshold is that of a float sensor of its kernel alone. (`amacrine design` finds those of
+    /// all kinds in one program, with the memory that they share.) Excludes --threshold.
     #[arg(long, value_name = "EVENTS", value_parser = event_rate, conflicts_with = "threshold")]
     rate: Option<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// The few values that the chip computes with (see `amacrine quantise --help`); else the
-    /// best of the candidates. The table still has a row for each candidate: `--candidates` says
-    /// which
+    /// Quantiser of the program [default: the best of --candidates]
+    ///
+    /// `amacrine quantise --help` lists the quantisers. The table has a row for each of
+    /// --candidates in any case.
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Option<Quantiser>,
-    /// Rows of the table of quantisers
+    /// Quantisers in the table, one row each
     #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
-    /// What quantised kernels must sum to
+    /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// What the program of all kernels remembers: `analogue`, `shared` or `bits:N` [default: as a
-    /// sensor file of several kinds says, else the first of analogue, shared and bits that the chip
-    /// has room for]
+    /// Memory of the program of all kernels: analogue, bits:N or shared
+    ///
+    /// Default: as a sensor file of several kinds says; else the first of analogue, shared and bits
+    /// for which the chip has room.
     #[arg(long, value_name = "WHERE", value_parser = memory)]
     memory: Option<DriveMemory>,
-    /// A shipped chip by name, or the folder of another
-    #[arg(long, default_value = "scamp5")]
+    /// Name of a shipped chip, or folder of your own
+    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
     chip: Named,
-    /// How long each frame is exposed, such as 2ms
-    #[arg(long)]
+    /// Exposure of each frame, such as 2ms
+    ///
+    /// If left out, exposure does not limit the frame rate; the report states the longest that the
+    /// frame rate leaves.
+    #[arg(long, help_heading = heading::CHIP)]
     exposure: Option<Micros>,
-    /// Energy of a bit on the link in pJ, one number or LO..HI: an assumption, yours to set
-    #[arg(long, default_value = "1..20", value_name = "LO..HI", value_parser = energy)]
+    /// Energy of a bit on the link in pJ: one number or LO..HI
+    ///
+    /// This is an assumption: give that of your own link.
+    #[arg(long, default_value = "1..20", value_name = "LO..HI", value_parser = energy, help_heading = heading::CHIP)]
     link_energy: Energy,
-    /// Whether the next frame is exposed while events are read
-    #[arg(long, value_enum, default_value = "overlapped")]
+    /// Order of exposure and readout
+    #[arg(long, value_enum, default_value = "overlapped", help_heading = heading::CHIP)]
     readout: Order,
     #[command(flatten)]
     window: Window,
-    /// Chips that are drawn from what the public data allow
-    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS))]
+    /// Number of simulated chips, drawn from what the public data allow
+    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS), help_heading = heading::CHIP)]
     chips: u64,
-    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
+    /// Search effort for each program, in seconds
+    ///
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]
     seed: u64,
-    /// Write the page here
+    /// Write the page to this file
     #[arg(short, long, value_name = "REPORT.html", value_parser = Content::Page)]
     output: Option<Output>,
     /// Print JSON in place of text
     #[arg(long)]
     json: bool,
-    /// Print what a number is made of instead: a name such as `array_us`, ceiling or power.busy, a
-    /// figure such as error.noise, or a place in the JSON such as /power/known
+    /// Print what a number is made of, in place of the report
+    ///
+    /// The number is given by a name such as `array_us`, ceiling or power.busy, by a figure such as
+    /// error.noise, or by a place in the JSON such as /power/known.
     #[arg(long, value_name = "NUMBER")]
     explain: Option<String>,
 }
@@ -119,9 +137,9 @@ const MOST_CHIPS: u64 = 1024;
 /// Whether light is collected while events are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Order {
-    /// The photodiodes integrate on while events are read
+    /// The next frame is exposed while events are read
     Overlapped,
-    /// The next exposure begins when the last event is read
+    /// The next exposure begins after the last event is read
     Sequential,
 }
 

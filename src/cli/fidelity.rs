@@ -18,24 +18,27 @@ use crate::{
     unit::Micros,
 };
 
-use super::budget;
+use super::{budget, heading};
 
 /// `--fidelity` of `amacrine run`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Fidelity {
-    /// `auto` leaves out what hardly matters in this scene, as a pilot measures, and says what
-    #[arg(long, value_enum)]
+    /// Model: full, or one that leaves out what hardly matters [default: full]
+    ///
+    /// With `auto` a pilot measures on a sample of tiles what each omission changes in this scene.
+    /// The program prints what it leaves out.
+    #[arg(long, value_enum, help_heading = heading::MODELS)]
     fidelity: Option<How>,
-    /// The share of events that may change under `--fidelity auto`, such as 1% (the default)
-    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_hyphen_values = true, requires = "fidelity")]
+    /// Share of events that may change with --fidelity auto [default: 1%]
+    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_hyphen_values = true, requires = "fidelity", help_heading = heading::MODELS)]
     tolerance: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum How {
-    /// All that the sensor file or the chip says
+    /// All effects that the sensor file or the chip has
     Full,
-    /// What is left of it within the tolerance
+    /// The effects that remain when those within the tolerance are left out
     Auto,
 }
 

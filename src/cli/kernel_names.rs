@@ -7,8 +7,10 @@ use super::{complain, files::Named, kernels::Kinds};
 /// Which kernels, by file or by name.
 #[derive(Clone, Debug, clap::Args)]
 pub struct KernelNames {
-    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)),
-    /// names of built-in ones, or sensor files, which have thresholds too
+    /// Kernels, one for each kind of cell: files, names of built-in ones, or sensor files
+    ///
+    /// Files are .toml, or .npy of shape (k,k), (K,k,k) or (K,1,k,k). A sensor file has thresholds,
+    /// too.
     #[arg(
         required_unless_present = "by_option",
         conflicts_with = "by_option",

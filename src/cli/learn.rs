@@ -19,7 +19,7 @@ use crate::memory::Origin;
     after_help = "Examples:\n  amacrine learn tasks/interpolation.toml -o runs/interpolation\n  amacrine learn tasks/interpolation.toml -o runs/interpolation --arm ternary --resume\n  amacrine learn report runs/interpolation\n\n`amacrine-learn --help` lists all options; docs/guides/learn-a-kernel.md goes through them."
 )]
 pub struct Arguments {
-    /// What `amacrine-learn` is given: TASK.toml -o RUN and options, or report RUN
+    /// Arguments of `amacrine-learn`: TASK.toml -o RUN and options, or report RUN
     #[arg(
         value_name = "ARGUMENTS",
         trailing_var_arg = true,

@@ -7,7 +7,7 @@ use miette::miette;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{budget, complain, recording};
+use super::{budget, complain, heading, recording};
 use crate::{
     plane::Size,
     rig::guard::Warning,
@@ -23,53 +23,56 @@ const BUNDLED: &str = "bundled";
 /// `--range`, `--transfer` and `--scale`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Samples {
-    /// Which samples of the scene are black and white
-    #[arg(long, value_enum, default_value = "auto")]
+    /// Sample values of black and white
+    #[arg(long, value_enum, default_value = "auto", help_heading = heading::SCENE)]
     range: Asked,
-    /// How its light was coded, to be undone before the photoreceptor
-    #[arg(long, value_enum, default_value = "as-coded")]
+    /// Transfer curve (gamma) to undo before the photoreceptor
+    #[arg(long, value_enum, default_value = "as-coded", help_heading = heading::SCENE)]
     transfer: Undo,
-    /// Multiply the numbers of a .npy by this: 255 where they are 0 to 1
-    #[arg(long, value_name = "FACTOR")]
+    /// Factor for the numbers of a .npy: 255 if they are 0 to 1
+    #[arg(long, value_name = "FACTOR", help_heading = heading::SCENE)]
     scale: Option<f64>,
-    /// Show only these frames, in times or in numbers of frames: 2s..5s, 500ms.., ..100
-    #[arg(long, value_name = "FROM..TO")]
+    /// Part of the clip to show, in times or frames: 2s..5s, 500ms.., ..100
+    #[arg(long, value_name = "FROM..TO", help_heading = heading::SCENE)]
     slice: Option<Slice>,
-    /// Show only this part of the picture: its middle, or +X+Y from its left and its top
-    #[arg(long, value_name = "WxH[+X+Y]")]
+    /// Part of the picture to show: its middle, or +X+Y from its left and its top
+    #[arg(long, value_name = "WxH[+X+Y]", help_heading = heading::SCENE)]
     crop: Option<Crop>,
-    /// Show it to so many larger pixels, each of which has the mean of the light that falls on it
-    #[arg(long, value_name = "WxH", value_parser = recording::size)]
+    /// Size to which the picture is reduced
+    ///
+    /// Each of the larger pixels has the mean of the light that falls on it.
+    #[arg(long, value_name = "WxH", value_parser = recording::size, help_heading = heading::SCENE)]
     resize: Option<Size>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum Asked {
-    /// What the file says; else limited for mp4 and y4m with colour, full for all others
+    /// As the file says; if it does not: limited for mp4 and y4m with colour, full for all others
     Auto,
-    /// 16 and 235 of 255; what lies outside is clipped
+    /// Black is 16 and white 235, of 255; values outside are clipped
     Limited,
-    /// 0 and 255
+    /// Black is 0 and white 255
     Full,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum Undo {
-    /// What the file says (mp4: colr or VUI; png: cICP, sRGB or gAMA); else as coded
+    /// The curve that the file names (mp4: colr or VUI; png: cICP, sRGB or gAMA); as-coded if it
+    /// names none
     Auto,
-    /// Nothing is undone, as in v2e and ESIM
+    /// Undo nothing, as v2e and ESIM do
     AsCoded,
-    /// The samples are light already
+    /// Undo nothing: the samples are linear light already
     Linear,
-    /// IEC 61966-2-1, the curve of most pictures
+    /// IEC 61966-2-1 (sRGB), the curve of most pictures
     Srgb,
     /// ITU-R BT.709
     Bt709,
-    /// A power of 2.2: analogue video of 525 lines
+    /// Power of 2.2: analogue video of 525 lines
     Gamma22,
-    /// A power of 2.8: analogue video of 625 lines
+    /// Power of 2.8: analogue video of 625 lines
     Gamma28,
-    /// SMPTE ST 240, early video of high definition
+    /// SMPTE ST 240: early high-definition video
     Smpte240m,
 }
 

@@ -17,12 +17,12 @@ use crate::{
 /// What `list` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine list sensors\n  amacrine list sensors rgc-4 > mine.toml\n  amacrine list patterns bar\n  amacrine run --scene bundled --sensor rgc-4\n\nWherever a file of one of these kinds is read, a name will do; a file of that name goes first."
+    after_help = "Examples:\n  amacrine list sensors\n  amacrine list sensors rgc-4 > mine.toml\n  amacrine list patterns bar\n  amacrine run --scene bundled --sensor rgc-4\n\nA name can stand wherever a file of that kind is read; a file of that name is taken first."
 )]
 pub struct Arguments {
-    /// Of which kind
+    /// Kind to list
     of: Of,
-    /// Print the text of this one instead
+    /// Name of one of them, to print its text
     name: Option<String>,
 }
 
@@ -35,13 +35,13 @@ enum Of {
     Programs,
     /// Kernels: `compile NAME`
     Kernels,
-    /// Studies, to start from
+    /// Studies: `sweep NAME`
     Studies,
     /// Readouts: `run --readout NAME`
     Readouts,
     /// Chips: `exec PROGRAM --chip NAME`
     Chips,
-    /// Scenes that are drawn, and their parameters: `run --scene pattern:NAME`
+    /// Scenes that are drawn, with their parameters: `run --scene pattern:NAME`
     Patterns,
 }
 

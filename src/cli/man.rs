@@ -17,7 +17,7 @@ use crate::save::save;
     after_help = "Example: amacrine man -o ~/.local/share/man/man1\n\nThen `man amacrine-run` shows what `amacrine run --help` prints."
 )]
 pub struct Arguments {
-    /// The folder of the pages
+    /// Folder of the pages
     #[arg(short, long, value_name = "FOLDER", value_parser = Content::Folder)]
     output: Output,
 }

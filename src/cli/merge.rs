@@ -17,13 +17,13 @@ use crate::{study::sweep::merge, unit::counted};
     after_help = "Example: amacrine merge out/shard-0 out/shard-1 out/shard-2 out/shard-3 --output out/all"
 )]
 pub struct Arguments {
-    /// Folders of one study
+    /// Folders of the shards of one study
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<Input>,
-    /// The folder of all results
+    /// Folder of all results
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Output,
-    /// Also write results.parquet
+    /// Write results.parquet, too
     #[arg(long)]
     parquet: bool,
     /// Print JSON in place of text

@@ -22,6 +22,7 @@ mod fidelity;
 mod figure;
 pub mod files;
 mod flip;
+mod heading;
 mod in_order;
 mod kernel_names;
 mod kernels;
@@ -72,11 +73,13 @@ const BEHIND: usize = 900;
 #[derive(Debug, Parser)]
 #[command(name = "amacrine", version, about, after_help = examples())]
 struct Arguments {
-    /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
-    #[arg(long, global = true, value_name = "SIZE", display_order = BEHIND)]
+    /// Memory limit, such as 500M or 4G (powers of 1024) [default: three quarters of the machine's]
+    ///
+    /// Work that needs more is refused before it starts.
+    #[arg(long, global = true, value_name = "SIZE", display_order = BEHIND, help_heading = heading::RESOURCES)]
     max_memory: Option<Budget>,
-    /// Work on so many threads; what comes out does not depend on it [default: one for each core]
-    #[arg(long, global = true, value_name = "N", value_parser = threads::number, display_order = BEHIND)]
+    /// Number of threads; it does not change the results [default: one for each core]
+    #[arg(long, global = true, value_name = "N", value_parser = threads::number, display_order = BEHIND, help_heading = heading::RESOURCES)]
     threads: Option<usize>,
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -101,59 +104,59 @@ macro_rules! verbs {
 
 // The list: a file for each verb, with its `Arguments` and `run`, in the order of the help.
 verbs! {
-    /// A real clip through the float reference and through a program on the array
+    /// Show a clip to float sensors and to their programs on the array, and compare the events
     Demo => demo,
-    /// A scene through a sensor file: events, counts, voxels
+    /// Run a sensor on a scene: events, counts, voxels
     Run => run,
-    /// A program on the array: every register written out
+    /// Run a program on the array: events, registers, pictures
     Exec => exec,
-    /// Check a program: expansion, instruction words, microseconds, registers
+    /// Check a program: macro expansion, instruction words, microseconds, registers
     Asm => asm,
-    /// The instruction words of a program, as text that reads back to the same words
+    /// Print the instruction words of a program, as text that reads back to the same words
     Disasm => disasm,
-    /// A kernel (the weights of a receptive field) in few values: levels, scale, and what is lost
+    /// Quantise a kernel (the weights of a receptive field): levels, scale, and what is lost
     Quantise => quantise,
-    /// Kernels to a program: shift, add, halve, with the proof
+    /// Compile kernels to a program of shifts, additions and halvings, with the proof
     Compile => compile,
-    /// Where the events of the float sensor go on the way to the chip, over frame rate and step by step
+    /// Show where the float sensor's events go on the way to the chip, over frame rate and step by step
     Waterfall => waterfall,
-    /// The resistor mesh (resistive grid): solve it, step it, fit a kernel to it, draw it
+    /// Solve, step, fit or draw the resistor mesh (resistive grid)
     Mesh => mesh,
-    /// From kernels and a scene to a sensor: thresholds for a rate, quantiser, memory, program, report
+    /// Design a sensor for kernels and a scene: thresholds for a rate, quantiser, memory, program, report
     Design => design,
-    /// Whether a kernel can run on a chip, and what is lost, as a page to forward
+    /// Find whether a kernel can run on a chip, and what is lost: a page to forward
     Feasibility => feasibility,
     /// Compare two event files: every metric with its floor and ceiling
     Compare => compare,
-    /// An event file into another format
+    /// Convert an event file to another format
     Convert => convert,
-    /// What a packet (the events of a sensor over a scene) costs on a link, and what a readout makes of it
+    /// Tell what a packet (the events of a sensor over a scene) costs on a link, and what a readout makes of it
     Packets => packets,
-    /// An event file as the tensors that networks take: bins over windows of time
+    /// Turn an event file into the tensors that networks take: bins over windows of time
     Voxels => voxels,
-    /// What a model may leave out of a scene, with the limit that allows it
+    /// Find what a model may leave out in a scene, with the limit that allows it
     Plan => plan,
-    /// Error against seconds: every plainer model of a sensor in a scene, the front, its knee
+    /// Weigh error against seconds: every plainer model of a sensor in a scene, the front, its knee
     Trade => trade,
-    /// Pictures of a packet: frames, surfaces, clouds, rates, intervals, kinds; the text of a sensor by name
+    /// Draw a packet: frames, surfaces, clouds, rates, intervals, kinds; or print a sensor by name
     Show => show,
-    /// Many points of a study, on all cores, resumable: results as CSV and JSON lines
+    /// Compute the points of a study on all cores, resumable: results as CSV and JSON lines
     Sweep => sweep,
-    /// The folders of a sweep's shards into one
+    /// Merge the folders of a sweep's shards into one
     Merge => merge,
-    /// Kernels and thresholds learned for a task, judged at equal bits; the package `amacrine-learn` does it
+    /// Learn kernels and thresholds for a task, judged at equal bits (with the package `amacrine-learn`)
     Learn => learn,
-    /// Which points of a sweep no other beats: error against time, bits or instruction words
+    /// Find the points of a sweep that no other beats: error against time, bits or instruction words
     Report => report,
-    /// The keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip
+    /// Print the keys of a kind of file as JSON Schema: sensor, kernel, study, readout, program, chip
     Schema => schema,
-    /// What comes with the program, by name: sensors, programs, kernels, studies, readouts, chips
+    /// List what comes with the program: sensors, programs, kernels, studies, readouts, chips
     List => list,
-    /// A file to start from: sensor, kernel, study, readout, program, chip
+    /// Write a file to start from: sensor, kernel, study, readout, program, chip
     New => new,
-    /// What a shell needs to complete the command line
+    /// Print what a shell needs to complete the command line
     Completions => completions,
-    /// A manual page for each verb
+    /// Write a manual page for each verb
     Man => man,
 }
 

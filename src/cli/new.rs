@@ -25,14 +25,14 @@ use crate::{
 /// What `new` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine new sensor mine\n  amacrine new program edges --from convolve/sobel\n  amacrine new chip wide\n\nA sensor, kernel, study or readout is NAME.toml with a copy of its JSON Schema beside it, which editors complete and check it by; what may stand in it besides is in comments. A program is NAME.scamp. A chip is a folder whose device.toml says only where it differs from another."
+    after_help = "Examples:\n  amacrine new sensor mine\n  amacrine new program edges --from convolve/sobel\n  amacrine new chip wide\n\nA sensor, kernel, study or readout is NAME.toml. A copy of its JSON Schema stands beside it, with which editors complete and check it; optional keys are in comments. A program is NAME.scamp. A chip is a folder whose device.toml says only where it differs from another."
 )]
 pub struct Arguments {
-    /// What to begin
+    /// Kind of file
     kind: schema::Kind,
-    /// Its path, without the ending
+    /// Path of the file, without its ending
     name: String,
-    /// Begin with this one of `amacrine list` instead of a plain one; a chip extends it
+    /// Name in `amacrine list` to start from; a chip extends it [default: a plain one]
     #[arg(long, value_name = "NAME")]
     from: Option<String>,
 }

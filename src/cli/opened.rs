@@ -20,12 +20,13 @@ use crate::{
 /// Which program, on which chip.
 #[derive(Debug, Default, clap::Args)]
 pub struct Source {
-    /// The program; a file of bare statements is a whole program
+    /// Program file, or a name that `amacrine list programs` prints; bare statements are a whole
+    /// program
     program: Input,
-    /// A shipped chip by name, or the folder of another; else the one of the program's settings
+    /// Name of a shipped chip, or folder of your own [default: as the program's settings say]
     #[arg(long)]
     chip: Option<Named>,
-    /// Set a constant of the program; can be given more than once
+    /// Constant of the program to set; may be repeated
     #[arg(long = "const", value_name = "NAME=VALUE", value_parser = constant)]
     constants: Vec<(String, f64)>,
 }

@@ -29,19 +29,23 @@ use crate::{
     after_help = "Example: amacrine packets out/events.npy --readout arbiter --with fifo=64 -o out/read.npy"
 )]
 pub struct Arguments {
-    /// An event file
+    /// Event file
     file: Input,
     #[command(flatten)]
     recording: Recording,
-    /// Length of a bit map's frame, and of the window that peaks are measured in
+    /// Length of the frame of a bit map, and of the window in which peaks are measured
     #[arg(long, default_value = "10ms", value_name = "TIME")]
     window: Micros,
-    /// Make the code book from these frequencies of kinds (ganglion cells of a pixel), instead of the packet's own
+    /// Frequencies of kinds (ganglion cells of a pixel) for the code book
+    ///
+    /// Default: those of the packet.
     #[arg(long, value_name = "N,N,…", value_delimiter = ',')]
     frequencies: Vec<u64>,
     #[command(flatten)]
     readout: readout::Choice,
     /// Write the packet behind the readout: the events that arrive
+    ///
+    /// Requires --readout.
     #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
     output: Option<Output>,
     /// Print JSON in place of text

@@ -22,6 +22,7 @@ use super::{
     budget,
     fidelity::{KeptOrUnread, chosen, line, make, percent},
     files::{Input, Named},
+    heading,
     light::{self, Samples},
     progress::Progress,
     quantiser::number_format,
@@ -35,22 +36,22 @@ use super::{
     after_help = "Example: amacrine plan --scene bundled --sensor dvs-v2e --tolerance 1% --verify"
 )]
 pub struct Arguments {
-    /// The scene, as for `amacrine run`
+    /// Scene, as for `amacrine run`
     #[arg(long, alias = "image")]
     scene: Named,
-    /// The sensor file
+    /// Sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
     sensor: Input,
-    /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
-    /// Insert frames, as for `amacrine run`
-    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast)]
+    /// Insert frames, as `amacrine run` does
+    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast, help_heading = heading::SCENE)]
     upsample: Option<f64>,
-    /// Chooses mismatch and noise
-    #[arg(long, default_value_t = 0)]
+    /// Seed of mismatch and noise
+    #[arg(long, default_value_t = 0, help_heading = heading::MODELS)]
     seed: u64,
     #[command(flatten)]
     asked: Asked,
@@ -59,12 +60,13 @@ pub struct Arguments {
     /// Run the planned model
     #[arg(long)]
     run: bool,
-    /// Run it and the full model, and show what everything really changes beside its limit
+    /// Run both models, and show what every omission really changes beside its limit
     #[arg(long)]
     verify: bool,
-    /// The most events a list may hold, with --run or --verify [default: 100000000, or what there
-    /// is memory for]
-    #[arg(long)]
+    /// Largest number of events in a list, with --run or --verify
+    ///
+    /// Default: 100000000, or as many as fit into memory.
+    #[arg(long, help_heading = heading::MODELS)]
     max_events: Option<usize>,
     /// Print JSON in place of text
     #[arg(long)]
@@ -74,19 +76,20 @@ pub struct Arguments {
 /// How much may change.
 #[derive(Clone, Debug, clap::Args)]
 struct Asked {
-    /// The share of the full model's events that may change, such as 1%
+    /// Share of the full model's events that may change, such as 1%
     #[arg(long, default_value = "1%", value_name = "PERCENT", value_parser = percent, allow_hyphen_values = true)]
     tolerance: f64,
-    /// An event that is moved by more than this is changed
-    #[arg(long, default_value = "100us", value_name = "TIME")]
+    /// Largest shift in time of an event that does not count as changed
+    #[arg(long, default_value = "100us", value_name = "TIME", help_heading = heading::MODELS)]
     within: Micros,
     #[arg(
         long,
-        help = format!("Number formats that may be taken in place of f64, of: {}", Format::names()),
+        help = format!("Number formats to try in place of f64: {}", Format::names()),
         default_value = "f32",
         value_delimiter = ',',
         value_name = "FORMATS",
-        value_parser = number_format
+        value_parser = number_format,
+        help_heading = heading::MODELS,
     )]
     formats: Vec<Format>,
 }

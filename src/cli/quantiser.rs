@@ -11,12 +11,12 @@ use crate::{
 /// [`Sum`], as it is written. All verbs that quantise have the same default.
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
 pub(super) enum Total {
-    /// Whatever comes
+    /// Any sum
     Free,
-    /// 0: uniform light gives nothing. Of `ternary` the best levels and scale with that sum; of the
-    /// others the nearest levels at a scale near the best
+    /// 0, so that uniform light gives no response. With `ternary` the best levels and scale of that
+    /// sum; with all others the nearest levels, at a scale near the best
     Zero,
-    /// That of the kernel, as near as the levels allow
+    /// The sum of the kernel, as near as the levels allow
     #[default]
     Kept,
 }

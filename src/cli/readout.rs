@@ -4,7 +4,7 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::files::Named;
+use super::{files::Named, heading};
 use crate::{
     event::{
         Packet,
@@ -17,11 +17,13 @@ use crate::{
 /// Which readout, and with which settings.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Choice {
-    /// Read the packet out: ideal, scan, arbiter, frame, or a file like those in readouts/
-    #[arg(long, value_name = "NAME|FILE.toml")]
+    /// Readout of the packet: ideal, scan, arbiter, frame, or a file
+    ///
+    /// Files are like those in readouts/.
+    #[arg(long, value_name = "NAME|FILE.toml", help_heading = heading::READOUT)]
     readout: Option<Named>,
-    /// Change a setting of the readout, such as fifo=64 or link=1us; can be given more than once
-    #[arg(long = "with", value_name = "KEY=VALUE", value_parser = setting, requires = "readout")]
+    /// Setting of the readout, such as fifo=64 or link=1us; may be repeated
+    #[arg(long = "with", value_name = "KEY=VALUE", value_parser = setting, requires = "readout", help_heading = heading::READOUT)]
     settings: Vec<(String, String)>,
 }
 

@@ -6,6 +6,7 @@ use miette::miette;
 
 use super::{
     budget::{budget, check},
+    heading,
     progress::Progress,
 };
 use crate::{
@@ -19,12 +20,14 @@ use crate::{
 /// What an event file may leave open.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct Recording {
-    /// The size of the sensor, where the file does not say it
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    /// Size of the sensor, if the file does not say it
+    #[arg(long, value_name = "WxH", value_parser = size, help_heading = heading::INPUT)]
     pub size: Option<Size>,
-    /// Which stream of events, of a file of several cameras: its number in an aedat4 file, 0 for
-    /// left and 1 for right in an hdf5 file of MVSEC
-    #[arg(long, value_name = "N")]
+    /// Stream of events to read from a file of several cameras
+    ///
+    /// In an aedat4 file its number; in an hdf5 file of MVSEC 0 for the left camera and 1 for the
+    /// right.
+    #[arg(long, value_name = "N", help_heading = heading::INPUT)]
     pub stream: Option<i32>,
 }
 

@@ -29,16 +29,18 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: amacrine report out/formats -o front.svg")]
 pub struct Arguments {
-    /// A folder that `amacrine sweep` or `amacrine merge` has written
+    /// Folder that `amacrine sweep` or `amacrine merge` has written
     folder: Input,
-    /// Draw error against cost; .svg or .png
+    /// Draw error against cost (.svg or .png)
     #[arg(short, long, value_name = "FILE", value_parser = Content::Drawing)]
     output: Option<Output>,
-    /// What error is weighed against
+    /// Cost to weigh against error
     #[arg(long, default_value = "seconds_per_frame", value_parser = COSTS)]
     cost: String,
-    /// Compare all sensors, also those that were given different tasks: each kernel and each
-    /// threshold is a sensor of its own, and means are over what else differs
+    /// Compare all sensors, even those with different tasks
+    ///
+    /// Each kernel and each threshold is then a sensor of its own; means are taken over what else
+    /// differs.
     #[arg(long)]
     pool: bool,
     /// Print JSON in place of text

@@ -36,6 +36,7 @@ use super::{
     event_output::EventOutput,
     fidelity::{Fidelity, KeptOrUnread, make},
     files::{self, Input, Named, Output},
+    heading,
     light::{self, Samples},
     list::{bundled, of_another_kind},
     progress::Progress,
@@ -50,30 +51,38 @@ use super::{
     after_help = "Example: amacrine run --scene bundled --sensor rgc --upsample 0.1 --events out/events.npy"
 )]
 pub struct Arguments {
-    /// A clip (.y4m, .mp4, .mov, .m4v, .gif, .apng), a folder of pictures (.png, .pgm, .ppm, .pnm) in the order of their numbers, one of them, a .npy of shape (T,H,W), pattern:NAME?key=value (`list patterns`), or bundled
+    /// Scene: a clip, a folder of pictures, a picture, a .npy, a pattern, or `bundled`
+    ///
+    /// Clips are .y4m, .mp4, .mov, .m4v, .gif and .apng, pictures .png, .pgm, .ppm and .pnm. A
+    /// folder is shown in the order of the numbers in its names. A .npy has the shape (T,H,W). A
+    /// pattern is pattern:NAME?key=value (see `amacrine list patterns`).
     #[arg(long, alias = "image")]
     scene: Named,
-    /// The sensor file, or a name that `amacrine list sensors` prints
+    /// Sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
     sensor: Input,
     #[command(flatten)]
     changes: Changes,
-    /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
-    /// Insert frames so that no pixel's light, of 255, plus 1 changes by more than this from one to
-    /// the next, in ln units
-    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast)]
+    /// Insert frames so that light changes by at most this contrast from one to the next
+    ///
+    /// The contrast is the largest change of ln(light + 1) at any pixel, for light from 0 to 255;
+    /// 0.1 suits 8-bit video. If left out, no frame is inserted.
+    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast, help_heading = heading::SCENE)]
     upsample: Option<f64>,
-    /// Chooses mismatch and noise, both together. 0 is a seed as any other: under one seed the noise
-    /// of every clip is the same, so give each clip of training data its own
-    #[arg(long, default_value_t = 0)]
+    /// Seed of mismatch and noise
+    ///
+    /// 0 is a seed like any other. Under one seed the noise of every clip is the same: give each
+    /// clip of training data a seed of its own.
+    #[arg(long, default_value_t = 0, help_heading = heading::SENSOR)]
     seed: u64,
-    #[arg(long, default_value = "f64", value_parser = number_format, help = format!("The number format of signals, weights and memory: {}", Format::names()))]
+    #[arg(long, default_value = "f64", value_parser = number_format, help = format!("Number format of signals, weights and memory: {}", Format::names()), help_heading = heading::SENSOR)]
     format: Format,
-    #[arg(short = 'o', long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
+    #[arg(short = 'o', long, help = format!("Write the events to this file; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
     #[command(flatten)]
     readout: readout::Choice,
@@ -81,18 +90,22 @@ pub struct Arguments {
     fidelity: Fidelity,
     #[command(flatten)]
     without: Effects,
-    /// Write signed event counts, int32 (P,K,H,W)
-    #[arg(long, value_name = "C.npy", value_parser = Content::Array)]
+    /// Write signed event counts: int32 of shape (P,K,H,W), for P frame pairs and K kinds
+    #[arg(long, value_name = "C.npy", value_parser = Content::Array, help_heading = heading::OUTPUT)]
     counts: Option<Output>,
-    /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
-    #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
+    /// Write voxels: float32 of shape (P+1,K,H,W), for P frame pairs and K kinds
+    ///
+    /// Each event is shared between the two nearest frame times.
+    #[arg(long, value_name = "V.npy", value_parser = Content::Array, help_heading = heading::OUTPUT)]
     voxels: Option<Output>,
-    /// The most events [default: any number, those of a pair of frames as many as there is memory
-    /// for; with --readout 100000000, or what there is memory for]
-    #[arg(long)]
+    /// Largest number of events in the list of --events
+    ///
+    /// Default: any number, where the events of one frame pair must fit into memory. With
+    /// --readout: 100000000, or as many as fit into memory.
+    #[arg(long, help_heading = heading::OUTPUT)]
     max_events: Option<usize>,
-    /// What to do when a frame pair's events are too many [default: stop]
-    #[arg(long, value_enum)]
+    /// What to do if a frame pair has too many events for --events [default: stop]
+    #[arg(long, value_enum, help_heading = heading::OUTPUT)]
     when_full: Option<Full>,
     /// Print JSON in place of text
     #[arg(long)]
@@ -103,7 +116,7 @@ pub struct Arguments {
 enum Full {
     /// Stop with an error, write nothing
     Stop,
-    /// Drop that pair's events, count them, go on
+    /// Drop the events of that pair, count them, go on
     Drop,
 }
 

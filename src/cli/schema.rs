@@ -11,12 +11,12 @@ use crate::{
 /// What `schema` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine schema sensor\n  amacrine schema study -o study.schema.json\n\nThe schema is that of the file read as JSON (draft 2020-12); editors that know TOML take it as it is, such as with `#:schema study.schema.json` in the first line of a file. That of a program is of its lines that begin with //!, and $defs/expectation of those that begin with //=. That of a chip is of device.toml, and $defs/primitives of primitives.toml."
+    after_help = "Examples:\n  amacrine schema sensor\n  amacrine schema study -o study.schema.json\n\nThe schema describes the file read as JSON (draft 2020-12). Editors that know TOML take it as it is, for example with `#:schema study.schema.json` in the first line of a file. For a program it describes the lines that begin with //!, and $defs/expectation those that begin with //=. For a chip it describes device.toml, and $defs/primitives describes primitives.toml."
 )]
 pub struct Arguments {
-    /// Which kind of file
+    /// Kind of file
     kind: Kind,
-    /// Write it to a file instead
+    /// Write the schema to this file, in place of printing it
     #[arg(short, long, value_name = "FILE.json", value_parser = Content::Schema)]
     output: Option<Output>,
 }
@@ -24,17 +24,17 @@ pub struct Arguments {
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
-    /// sensors/*.toml
+    /// Float sensor (sensors/*.toml)
     Sensor,
-    /// kernels/*.toml
+    /// Kernel (kernels/*.toml)
     Kernel,
-    /// studies/*.toml
+    /// Study for `sweep` (studies/*.toml)
     Study,
-    /// readouts/*.toml
+    /// Readout (readouts/*.toml)
     Readout,
-    /// programs/**/*.scamp
+    /// Program of the array (programs/**/*.scamp)
     Program,
-    /// isa/*/device.toml and primitives.toml
+    /// Chip (isa/*/device.toml and primitives.toml)
     Chip,
 }
 

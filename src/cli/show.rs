@@ -29,37 +29,47 @@ use crate::{
   amacrine show sensor rgc-4
   amacrine show scene bundled")]
 pub struct Arguments {
-    /// An event file; or what kind of thing is to be shown by name: sensor, program, kernel, study,
-    /// readout, chip, pattern, scene
+    /// Event file to draw; or, before NAME, a kind of thing to print
+    ///
+    /// Kinds are sensor, program, kernel, study, readout, chip, pattern and
+    /// scene.
     file: Input,
-    /// The name of one that comes with the program (`amacrine list sensors`): its text
+    /// Name of the thing to print (see `amacrine list sensors`)
+    ///
+    /// Excludes all options of a picture.
     #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json", "size", "stream"])]
     name: Option<String>,
     #[command(flatten)]
     recording: Recording,
-    /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds); .mcap for a recording that Foxglove and rerun open, events and pictures window by window
+    /// Write the picture to this file: .png, .svg, .gif, .apng or .mcap
+    ///
+    /// .gif and .apng are animations, window by window: of frames, as .apng also of surfaces and
+    /// kinds. .mcap is a recording of events and pictures, window by window, for Foxglove and
+    /// rerun.
     #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
     output: Option<Output>,
-    /// Which view of it [default: overview; of what moves, frame]
+    /// View to draw [default: overview; frame for an animation or a recording]
     #[arg(long, value_enum)]
     view: Option<Shown>,
-    /// Leave out what is not later than this: as in a window, an event at the time of a frame
-    /// belongs to what ends there (`convert --slice` keeps what is at its start)
+    /// Leave out events up to this time
+    ///
+    /// An event at the time of a frame belongs to the window that ends there. (`convert --slice`
+    /// keeps events at its start.)
     #[arg(long, value_name = "TIME")]
     from: Option<Micros>,
-    /// Leave out what is later than this; what is at this time stays
+    /// Leave out events after this time; an event at this time stays
     #[arg(long, value_name = "TIME")]
     to: Option<Micros>,
     /// Length of a frame, and time constant of a time surface [default: 20ms]
     #[arg(long, value_name = "TIME")]
     window: Option<Micros>,
-    /// When the frame ends and the surface is taken; else at the end of the busiest window
+    /// End of the frame, and time of the surface [default: the end of the busiest window]
     #[arg(long, value_name = "TIME")]
     at: Option<Micros>,
-    /// What the picture is called; else the name of the file
+    /// Title of the picture [default: the name of the file]
     #[arg(long)]
     title: Option<String>,
-    /// How long each frame of an animation is shown [default: 100ms]
+    /// Time for which an animation shows each frame [default: 100ms]
     #[arg(long, value_name = "TIME")]
     hold: Option<Micros>,
     /// Print JSON in place of text
@@ -69,19 +79,19 @@ pub struct Arguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Shown {
-    /// All that follows on one page
+    /// All other views on one page
     Overview,
-    /// The events of a window, pixel by pixel
+    /// Events of a window, pixel by pixel
     Frame,
-    /// How long ago each pixel spoke last
+    /// Time surface: how long ago each pixel's last event was
     Surface,
     /// Events in x, y and time
     Cloud,
-    /// ON and OFF events a second
+    /// ON and OFF events per second
     Rate,
     /// Times between successive events of a cell
     Intervals,
-    /// A frame for each kind (which of the ganglion cells of a pixel)
+    /// One frame for each kind of cell (which ganglion cell of a pixel)
     Kinds,
 }
 

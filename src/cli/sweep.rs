@@ -17,7 +17,7 @@ use super::{
     clock::thread_seconds,
     content::Content,
     files::{Input, Output},
-    light,
+    heading, light,
     list::{bundled, meant},
     progress::Progress,
     quoted::quoted,
@@ -40,47 +40,57 @@ use crate::{limit::POINT_BYTES, memory::Need, source, unit::counted};
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine sweep formats --output out/formats\n  amacrine sweep formats --output out/shard-0 --shard 0/4\n  amacrine sweep formats --output out/formats --verify 5%\n  amacrine sweep formats format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep formats --space\n  amacrine sweep formats --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
+    after_help = "Examples:\n  amacrine sweep formats --output out/formats\n  amacrine sweep formats --output out/shard-0 --shard 0/4\n  amacrine sweep formats --output out/formats --verify 5%\n  amacrine sweep formats format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep formats --space\n  amacrine sweep formats --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA sweep into a folder that exists goes on where it stopped: finished points are not computed again. Damaged files are named, set aside and computed again. docs/sweeps.md lists every key and every column."
 )]
 pub struct Arguments {
-    /// The study file, or a name that `amacrine list studies` prints
+    /// Study file, or a name that `amacrine list studies` prints
     #[arg(required_unless_present = "schema")]
     study: Option<Input>,
-    /// Keys of the study set here, such as format=f32,q8.8, sample.points=64 or array.domain=exact
+    /// Key of the study to set; may be repeated
+    ///
+    /// Such as format=f32,q8.8, sample.points=64 or array.domain=exact.
     #[arg(value_name = "KEY=VALUE", value_parser = set)]
     sets: Vec<Override>,
-    /// The folder of results; the study's name without its ending when left out, and what was set
-    /// as a hash
+    /// Folder of the results
+    ///
+    /// Default: the name of the study without its ending, plus a hash of the keys that are set.
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
-    /// Compute only the points whose number leaves i when divided by n
+    /// Shard to compute: the points whose number leaves a remainder of i when divided by n
     #[arg(long, value_name = "i/n", value_parser = shard)]
     shard: Option<Shard>,
-    /// How many points at a time, each on one thread; as many as there are cores when left out
+    /// Number of points at a time, each on one thread [default: as many as there are cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Give a point up when a sensor takes longer to watch its scene; it becomes a row with its
-    /// reason, and is computed again by the next run
+    /// Seconds that a sensor may take to watch its scene
+    ///
+    /// A point that takes longer is given up. It becomes a row with its reason, and the next run
+    /// computes it again.
     #[arg(long, value_name = "S", value_parser = seconds)]
     max_seconds_per_point: Option<f64>,
-    /// Compute a share of the finished points again, compare the bits, and write nothing
+    /// Compute a share of the finished points again, and compare the bits
+    ///
+    /// Nothing is written. Excludes --parquet.
     #[arg(long, value_name = "N%", value_parser = share, conflicts_with = "parquet")]
     verify: Option<Share>,
-    /// Which points are chosen
+    /// Seed of the choice of points for --verify
     #[arg(long, value_name = "N", default_value_t = 0, requires = "verify")]
     verify_seed: u64,
-    /// Also write results.parquet
+    /// Write results.parquet, too
     #[arg(long)]
     parquet: bool,
-    /// Print the space of the study as JSON, for a search of another tool, and do nothing else
-    #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet"])]
+    /// Print the space of the study as JSON, and do nothing else
+    ///
+    /// This is for the search of another tool.
+    #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet"], help_heading = heading::POINTS)]
     space: bool,
-    /// Compute this point of the space and print its row as a JSON line; can be given more than
-    /// once, and no folder is written
-    #[arg(long = "point", value_name = "JSON", conflicts_with_all = ["output", "shard", "verify", "parquet", "space"])]
+    /// Compute this point of the space, and print its row as a JSON line; may be repeated
+    ///
+    /// No folder is written.
+    #[arg(long = "point", value_name = "JSON", conflicts_with_all = ["output", "shard", "verify", "parquet", "space"], help_heading = heading::POINTS)]
     points: Vec<PointText>,
-    /// The same for each line of standard input, answered as it comes
-    #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet", "space", "points"])]
+    /// Compute each point of standard input, a JSON line each, and answer each at once
+    #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet", "space", "points"], help_heading = heading::POINTS)]
     tell: bool,
     /// Print the JSON Schema of study files, and do nothing else
     #[arg(long, conflicts_with_all = ["study", "sets", "output", "shard", "jobs", "max_seconds_per_point", "verify", "parquet", "space", "points", "tell"])]

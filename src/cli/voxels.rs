@@ -28,47 +28,57 @@ use crate::{
 /// What `voxels` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. A window has the events after its start and up to its end, the first one those at its start, too: an event at the time of a frame is in the window that ends with it. Files of any length are read block by block; what is held is the windows that overlap."
+    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. A window has the events after its start and up to its end; the first window also has those at its start. An event at the time of a frame is thus in the window that ends with it. Files of any length are read block by block; only windows that overlap are in memory."
 )]
 pub struct Arguments {
-    /// An event file
+    /// Event file
     file: Input,
     #[command(flatten)]
     recording: Recording,
-    /// The array: .npy, .npz (also the names of the kinds), or .h5
+    /// Write the array: .npy, .npz (with the names of the kinds) or .h5
     #[arg(short, long, value_name = "VOXELS", value_parser = Content::Tensor)]
     output: Output,
-    /// Bins of a window
+    /// Number of bins in a window
     #[arg(long, default_value_t = 5, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_BINS as u64))]
     bins: usize,
-    /// How long a window is
+    /// Length of a window
     #[arg(long, value_name = "TIME")]
     window: Micros,
-    /// The time from which windows are counted: the first ends one --every later, or, centred, has
-    /// its middle there [default: so many times --every after 0 that the recording's start lies
-    /// before the next]
+    /// Time from which windows are counted
+    ///
+    /// The first window ends one --every later; with --align centred it has its middle there.
+    /// Default: the last multiple of --every before or at the start of the recording.
     #[arg(long, value_name = "TIME")]
     from: Option<Micros>,
-    /// From one window to the next [default: the window's length]
+    /// Time from one window to the next [default: the length of a window]
     #[arg(long, value_name = "TIME")]
     every: Option<Micros>,
-    /// Where a window lies about its time: `causal` ends there, `centred` has its middle there, half
-    /// of --window before and after it, each end to the nearest microsecond
+    /// Position of a window about its time: causal or centred
+    ///
+    /// `causal` ends at that time. `centred` has its middle there, with half of --window before and
+    /// after it, each end to the nearest microsecond.
     #[arg(long, default_value = "causal", value_name = "WHERE", value_parser = parsed::<Alignment>)]
     align: Alignment,
-    /// `signed`: ON adds, OFF takes away; `split`: a plane for each
+    /// Polarity: signed or split
+    ///
+    /// `signed` adds ON and subtracts OFF; `split` has a plane for each.
     #[arg(long, default_value = "signed", value_name = "HOW", value_parser = parsed::<Sides>)]
     polarity: Sides,
-    /// `bilinear`: an event is shared between the two nearest bins, of which the first has its middle
-    /// at the window's start and the last at its end; `whole`: each bin is an N-th of the window, and
-    /// an event counts where it falls, at the end of a bin in that bin
+    /// Weights of an event: bilinear or whole
+    ///
+    /// `bilinear` shares an event between the two nearest bins; the middle of the first bin is at
+    /// the start of the window, that of the last at its end. `whole` divides the window into bins
+    /// of equal length, and counts an event in the bin that it falls in; an event at the end of a
+    /// bin belongs to that bin.
     #[arg(long, default_value = "bilinear", value_name = "HOW", value_parser = parsed::<Share>)]
     share: Share,
-    /// What a window's voxels of each kind are brought to: `none`, `std` (as E2VID: mean 0, deviation
-    /// 1 of those that are not 0; where these are all equal, or one, they become 0), `max`
+    /// Normalisation of a window, for each kind: none, std or max
+    ///
+    /// `std` is that of E2VID: voxels that are not 0 get a mean of 0 and a deviation of 1; where
+    /// these are all equal, or only one, they become 0. `max` divides by the largest magnitude.
     #[arg(long, default_value = "none", value_name = "HOW", value_parser = parsed::<Normalise>)]
     normalise: Normalise,
-    /// Numbers of 16 bits in place of 32
+    /// Write numbers of 16 bits in place of 32
     #[arg(long)]
     half: bool,
     /// Print JSON in place of text

@@ -33,6 +33,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
+    heading,
     kernel_names::KernelNames,
     kernels::Kinds,
     light::{self, WithLight},
@@ -46,31 +47,32 @@ use super::{
 #[derive(Debug, clap::Args)]
 #[command(
     override_usage = "amacrine waterfall [OPTIONS] <KERNELS>...",
-    after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
+    after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\nWithout --readout, events leave the chip by the scan that a compiled program asks for.\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
 )]
 pub struct Arguments {
     #[command(flatten)]
     kernels: KernelNames,
-    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
-    /// kernels, or one for each; a sensor file has its own
+    /// Thresholds in kernel times light (0 to 255): one for all kernels, or one for each
+    ///
+    /// A cell has an event when its drive has moved by more than this. Required, unless KERNELS are
+    /// sensor files, which have their own.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
-    /// How the kernel comes into few values
+    /// Quantiser of the kernel (`amacrine quantise --help` lists them)
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
-    /// What the quantised kernel must sum to
+    /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
     #[command(flatten)]
     clip: Clip,
-    /// A shipped chip by name, or the folder of another
-    #[arg(long, default_value = "scamp5")]
+    /// Name of a shipped chip, or folder of your own
+    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
     chip: Named,
-    /// What if a number of the chip were another, such as error.noise=0.1; can be given more than
-    /// once
-    #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure)]
+    /// Number of the chip to change, such as error.noise=0.1; may be repeated
+    #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure, help_heading = heading::CHIP)]
     sets: Vec<(Figure, f64)>,
-    #[arg(long, default_value = "silicon", value_parser = arithmetic, help = format!("What the chip's cells hold: {}; numbers err by their format alone", Arithmetic::names()))]
+    #[arg(long, default_value = "silicon", value_parser = arithmetic, help = format!("Arithmetic of the chip's cells: {}; number formats have only their own rounding, and none of the silicon's errors", Arithmetic::names()), help_heading = heading::CHIP)]
     format: Arithmetic,
     /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]
@@ -78,29 +80,42 @@ pub struct Arguments {
     #[command(flatten)]
     window: Window,
     /// Seed of the search, of stochastic rounding and of the silicon
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]
     seed: u64,
-    /// How long to search for the program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
+    /// Search effort for the program, in seconds
+    ///
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
-    /// Frames a second at which the same light is shown, with commas between [default: four from
-    /// the clip's own to the most that the chip allows]
+    /// Frame rates at which the same light is shown, separated by commas
+    ///
+    /// In frames per second. Default: four rates, from the clip's own to the highest that the chip
+    /// allows. Excludes --steps.
     #[arg(long, value_delimiter = ',', value_name = "FPS", value_parser = fps, conflicts_with = "steps")]
     rates: Vec<f64>,
-    /// How many chips: seeds from --seed on
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps")]
+    /// Number of chips, with seeds from --seed on
+    ///
+    /// Excludes --steps.
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps", help_heading = heading::CHIP)]
     chips: u64,
-    /// Tiles of the scene on which they are run [default: as many as take some seconds]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with = "steps")]
+    /// Number of tiles of the scene on which the chips are run
+    ///
+    /// Default: as many as take some seconds. Excludes --steps.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with = "steps", help_heading = heading::CHIP)]
     tiles: Option<u16>,
-    /// Tell only the steps at the clip's own rate, event by event
+    /// Show only the steps at the clip's own frame rate, event by event
+    ///
+    /// Excludes --rates, --chips and --tiles.
     #[arg(long)]
     steps: bool,
-    /// Draw it; of several kernels one, --kind
+    /// Draw the waterfall; of several kernels the one of --kind
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
     output: Option<Output>,
-    /// Which of several kernels -o draws, as it falls in the program of all of them: its number from 0,
-    /// or its name
+    /// Kernel that -o draws, if there are several: its number from 0, or its name
+    ///
+    /// The drawing shows it in the program of all kernels.
     #[arg(long, value_name = "N|NAME", requires = "output")]
     kind: Option<String>,
     /// Print JSON in place of text

@@ -1,13 +1,15 @@
 //! The window of matches, as every verb that judges events asks for it.
 
+use super::heading;
 use crate::{compare::window, unit::Micros};
 
 /// Which events match.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct Window {
-    /// Events of one pixel, kind and sign match when their times differ by at most this
-    /// [default: 100ms, or the time from frame to frame where that is longer]
-    #[arg(long, value_name = "TIME")]
+    /// Largest time difference of events that match [default: 100ms, or a frame interval if longer]
+    ///
+    /// Events that match are of the same pixel, kind and sign.
+    #[arg(long, value_name = "TIME", help_heading = heading::COMPARISON)]
     pub within: Option<Micros>,
 }
 

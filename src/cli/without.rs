@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use super::heading;
 use crate::{
     array::Arithmetic,
     reference::Description,
@@ -12,7 +13,8 @@ use crate::{
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Effects {
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',', value_parser = named::<Effect>,
-        help = format!("Leave effects of the sensor out: {}", keys(Effect::of_sensors().map(Effect::word))))]
+        help = format!("Effects of the sensor to leave out: {}", keys(Effect::of_sensors().map(Effect::word))),
+        help_heading = heading::SENSOR)]
     without: Vec<Effect>,
 }
 
@@ -20,7 +22,8 @@ pub struct Effects {
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Terms {
     #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = named::<ErrorTerm>,
-        help = format!("Leave errors of analogue cells out: {}", keys(ErrorTerm::ALL.iter().copied().map(ErrorTerm::word))))]
+        help = format!("Errors of analogue cells to leave out: {}", keys(ErrorTerm::ALL.iter().copied().map(ErrorTerm::word))),
+        help_heading = heading::CHIP)]
     without: Vec<ErrorTerm>,
 }
 

@@ -44,29 +44,31 @@ pub struct Arguments {
     verb: Option<Verb>,
     #[command(flatten)]
     run: Option<RunArguments>,
-    /// Threads; one for each core when left out. Results do not depend on it
+    /// Number of threads; it does not change the results [default: one for each core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
+    /// Memory limit, such as 500M or 4G (powers of 1024) [default: three quarters of the machine's]
+    ///
+    /// Work that needs more is refused before it starts.
     #[arg(long, global = true, value_name = "SIZE")]
     max_memory: Option<Budget>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// The verdict on a run: a table, and a page in its folder
+    /// Judge a run: a table, and a page in its folder
     Report {
-        /// The run's folder
+        /// Folder of the run
         run: PathBuf,
     },
-    /// A task file to start from, with all keys that it may have
+    /// Write a task file to start from, with all keys that it may have
     New {
-        /// Its path, without the ending
+        /// Path of the file, without its ending
         name: PathBuf,
     },
-    /// The keys of a task file as JSON Schema, for editors and checkers
+    /// Print the keys of a task file as JSON Schema, for editors and checkers
     Schema {
-        /// Write it to a file instead
+        /// Write the schema to this file, in place of printing it
         #[arg(short, long, value_name = "FILE.json")]
         output: Option<PathBuf>,
     },
@@ -75,22 +77,22 @@ enum Verb {
 /// What to train.
 #[derive(Debug, clap::Args)]
 struct RunArguments {
-    /// The task file; `amacrine-learn new NAME` writes one to start from
+    /// Task file; `amacrine-learn new NAME` writes one to start from
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
-    /// The run's folder
+    /// Folder of the run
     #[arg(short, long, value_name = "RUN")]
     output: PathBuf,
-    /// Only this arm of the task; may be given again
+    /// Arm of the task to train; may be repeated [default: all]
     #[arg(long, value_name = "ARM")]
     arm: Vec<String>,
-    /// A folder of photographs in place of the task's
+    /// Folder of photographs, in place of the task's
     #[arg(long, value_name = "DIR")]
     photos: Option<PathBuf>,
-    /// Go on where a run in this folder has stopped
+    /// Go on where the run in this folder stopped
     #[arg(long)]
     resume: bool,
-    /// Only say what would be done, and how long it would take
+    /// Print what would be done and how long it would take, and do nothing
     #[arg(long)]
     dry_run: bool,
 }

@@ -20,18 +20,21 @@ use crate::{
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Print the program in canonical form instead
+    /// Print the program in canonical form
     #[arg(long, conflicts_with_all = ["disasm", "json"])]
     format: bool,
-    /// Print the instruction words instead, as the verb `disasm` does
+    /// Print the instruction words, as the verb `disasm` does
     #[arg(long, conflicts_with = "json")]
     disasm: bool,
-    /// What goes in: light (0 to 255) where the program takes it in, else what the registers hold
-    /// that it reads, in LSB. Prints which values registers can have, stores that can saturate,
-    /// and what of each register survives on the model of the real chip
+    /// Range of the input; prints the values that registers can take
+    ///
+    /// The range is that of the light (0 to 255) if the program takes light in, else that of the
+    /// registers that it reads, in LSB. The program also prints the stores that can saturate, and
+    /// what of each register survives on the model of the real chip. Excludes --format and
+    /// --disasm.
     #[arg(long, value_name = "LO..HI", value_parser = interval, allow_hyphen_values = true, conflicts_with_all = ["format", "disasm"])]
     input: Option<Interval>,
-    /// Which chip of the model, and which noise, with --input
+    /// Seed of the silicon, with --input: the chip of the model, and its noise
     #[arg(long, default_value_t = 0, requires = "input")]
     seed: u64,
     /// Print JSON in place of text

@@ -11,7 +11,7 @@ use self::headline::{Flagged, Headline};
 use super::{
     clip::Clip,
     content::Content,
-    files, light,
+    files, heading, light,
     progress::Progress,
     recording::{self, Recording},
     window::Window,
@@ -33,32 +33,35 @@ use crate::{
 /// What `compare` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine compare out/reference.npy out/silicon.npy -o curve.svg\n  amacrine compare a.npy b.npy --sensor rgc --scene clip.mp4\n\nkept is what of F1 is more than accident, (F1 - floor) / (1 - floor): the floor is F1 of the reference's own events at other cells' times, the ceiling that of the reference itself, 1. A window below the time from frame to frame says which frame an event was in, not when it was."
+    after_help = "Examples:\n  amacrine compare out/reference.npy out/silicon.npy -o curve.svg\n  amacrine compare a.npy b.npy --sensor rgc --scene clip.mp4\n\nkept is the part of F1 above chance, (F1 - floor) / (1 - floor). The floor is F1 of a redraw: each cell has as many events as in the reference, at times drawn from those of the other cells. The ceiling is F1 of the reference itself, 1. Within a window below the frame interval, a match says which frame an event is in, not when it is."
 )]
 pub struct Arguments {
-    /// The reference: an event file of any format
+    /// Reference: an event file of any format
     a: files::Input,
-    /// What is judged against it
+    /// Event file that is judged against the reference
     b: files::Input,
     #[command(flatten)]
     recording: Recording,
     #[command(flatten)]
     window: Window,
-    /// The sensor file that made the reference: it is run on the scene at other thresholds, to
-    /// tell which change of its threshold costs as much, and which has as many events
+    /// Sensor file that made the reference
+    ///
+    /// It is run on the scene at other thresholds. This tells which change of its threshold costs
+    /// as much, and which has as many events. The options under Scene need it.
     #[arg(long)]
     sensor: Option<files::Input>,
     #[command(flatten)]
     clip: Clip,
-    /// With --sensor: insert frames, as for `amacrine run`
-    #[arg(long, value_name = "CONTRAST", requires = "sensor")]
+    /// Insert frames, as `amacrine run` does
+    #[arg(long, value_name = "CONTRAST", requires = "sensor", help_heading = heading::SCENE)]
     upsample: Option<f64>,
-    /// Bins of the voxel grids
-    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    /// Number of bins of the voxel grids
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=1000), help_heading = heading::COMPARISON)]
     bins: u16,
-    /// Seed of the redraw and the permutation that every metric is held against; with --sensor
-    /// also of its mismatch and noise
-    #[arg(long, default_value_t = 0)]
+    /// Seed of the redraw and the permutation, to which every metric is compared
+    ///
+    /// With --sensor it is the seed of the sensor's mismatch and noise, too.
+    #[arg(long, default_value_t = 0, help_heading = heading::COMPARISON)]
     seed: u64,
     /// Draw F1 over the window, between its floor and its ceiling
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]

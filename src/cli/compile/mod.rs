@@ -21,6 +21,7 @@ use super::{
     content::Content,
     event_rate::NoRate,
     files::{self, Named, Output},
+    heading,
     light::{self, Samples},
     progress::Progress,
     quantiser::Total,
@@ -52,90 +53,116 @@ use crate::{
     after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile csdvs-3 --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor rgc-4-on-chip --to ternary -o four.scamp"
 )]
 pub struct Arguments {
-    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)) or
-    /// names of built-in ones
+    /// Kernels, one for each kind of cell: files or names of built-in ones
+    ///
+    /// Files are .toml, or .npy of shape (k,k), (K,k,k) or (K,1,k,k).
     #[arg(required_unless_present = "sensor", value_delimiter = ',')]
     kernels: Vec<Named>,
     #[command(flatten)]
     no_rate: NoRate,
-    /// Write the program here; else it is printed
+    /// Write the program to this file, in place of printing it
     #[arg(short, long, value_name = "FILE.scamp|FILE.cpp", value_parser = Content::Program)]
     output: Option<Output>,
-    /// The weights that the program has: `exact` takes them as they are, a quantiser (see
-    /// `amacrine quantise --help`) brings them to few values; its scale goes into the thresholds
+    /// Quantiser of the weights; `exact` takes them as they are
+    ///
+    /// The scale of the quantiser goes into the thresholds. `amacrine quantise --help` lists the
+    /// quantisers.
     #[arg(long, default_value = "exact", value_name = "QUANTISER")]
     to: To,
-    /// What quantised kernels must sum to
+    /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// Only the filter, from register A into A, as bare statements
-    #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
+    /// Compile the filter alone, from register A into A, as bare statements
+    ///
+    /// Excludes --sensor, --threshold, --memory, --readout, --events-per-frame and --scene.
+    #[arg(long, conflicts_with_all = ["sensor", "threshold"], help_heading = heading::FILTER)]
     filter_only: bool,
-    /// The registers of the results, with --filter-only
-    #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
+    /// Registers of the results, one for each kernel
+    #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], help_heading = heading::FILTER)]
     into: Vec<String>,
-    /// Registers that stay as they are, with --filter-only
-    #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
+    /// Registers that must stay as they are
+    #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], help_heading = heading::FILTER)]
     keep: Vec<String>,
-    /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates; without
-    /// it as often as more comes out of the chip
-    #[arg(long, value_name = "LO..HI", requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], value_parser = interval, allow_hyphen_values = true)]
+    /// Range of the input in LSB, with --filter-only
+    ///
+    /// The program halves the input until nothing saturates. If left out, it halves only where that
+    /// improves the result on the chip.
+    #[arg(long, value_name = "LO..HI", requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], value_parser = interval, allow_hyphen_values = true, help_heading = heading::FILTER)]
     input: Option<(f64, f64)>,
-    /// Right up to the border, zeros beyond it: with --filter-only if that can be had; a whole program
-    /// is so where more comes out of it, and with this always, or is refused
-    #[arg(long)]
+    /// Require results that are right up to the border, with zeros beyond it
+    ///
+    /// A whole program is refused if none is found. With --filter-only the search takes such a
+    /// filter if it finds one. If left out, a whole program is right at the border only where that
+    /// improves the result on the chip.
+    #[arg(long, help_heading = heading::SEARCH)]
     border: bool,
-    /// A sensor file: its kernels and thresholds
+    /// Sensor file that has the kernels and thresholds
+    ///
+    /// Excludes KERNELS and --threshold.
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
     sensor: Option<files::Input>,
-    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
-    /// kernels, or one for each, ON and OFF alike (in `run`, two numbers are ON and OFF of all kinds)
+    /// Threshold in kernel times light (0 to 255): one for all kernels, or one for each
+    ///
+    /// A cell has an event when its drive has moved by more than this. The threshold holds for ON
+    /// and OFF alike. (In `run`, two numbers are ON and OFF of all kinds.) Required, unless
+    /// --sensor or --filter-only is given.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
-    /// What the program remembers: the drive of each kind in `analogue` registers or in `bits:N`
-    /// one-bit registers, or in one analogue register the pixel at the last event of any kind,
-    /// `shared` by all (raw-snap) [default: as the sensor file says, else analogue]
+    /// Memory of the program: analogue, bits:N or shared
+    ///
+    /// `analogue` keeps the drive of each kind in analogue registers, `bits:N` in N one-bit
+    /// registers. `shared` keeps one picture for all kinds in one analogue register: the pixel at
+    /// the last event of any kind (raw-snap). Default: as the sensor file says, else analogue.
     #[arg(long, value_name = "WHERE", value_parser = memory, conflicts_with = "filter_only")]
     memory: Option<DriveMemory>,
-    /// How many events the busiest frame is expected to have, all signs and kinds together: the
-    /// readout is chosen for them
+    /// Events expected in the busiest frame, all signs and kinds together
+    ///
+    /// The readout is chosen for them. Excludes --scene.
     #[arg(
         long,
         value_name = "N",
         conflicts_with_all = ["filter_only", "scene"],
-        value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000)
+        value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000),
+        help_heading = heading::READOUT,
     )]
     events_per_frame: Option<u64>,
-    /// A clip, image folder, .npy or pattern, on which the events are counted instead
-    #[arg(long, conflicts_with = "filter_only", alias = "image")]
+    /// Scene on which the events are counted: a clip, image folder, .npy or pattern
+    #[arg(long, conflicts_with = "filter_only", alias = "image", help_heading = heading::SCENE)]
     scene: Option<Named>,
-    /// Frames per second, instead of what the scene says
-    #[arg(long, requires = "scene", conflicts_with = "filter_only")]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, requires = "scene", conflicts_with = "filter_only", help_heading = heading::SCENE)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
-    /// How the events leave the chip
-    #[arg(long, value_enum, default_value_t, conflicts_with = "filter_only")]
+    /// Readout: how the events leave the chip
+    #[arg(long, value_enum, default_value_t, conflicts_with = "filter_only", help_heading = heading::READOUT)]
     readout: readout::Asking,
-    /// How the program is written: in the language of programs/, or as C++ for the vendor's tools,
-    /// which `asm` and `exec` read as well [default: as the output's ending says, else scamp]
+    /// Language of the program [default: by the ending of the output, else scamp]
+    ///
+    /// `amacrine asm` and `amacrine exec` read both.
     #[arg(long = "as", value_enum, value_name = "LANGUAGE")]
     language: Option<Language>,
-    /// A shipped chip by name, or the folder of another
+    /// Name of a shipped chip, or folder of your own
     #[arg(long, default_value = "scamp5")]
     chip: Named,
-    /// What the program is to be best at
-    #[arg(long, value_enum, default_value_t)]
+    /// Objective of the search
+    #[arg(long, value_enum, default_value_t, help_heading = heading::SEARCH)]
     objective: Aim,
-    /// Print words against what comes out of the chip: no filter of the list has both fewer words
-    /// and a better correlation than another
-    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "language", "objective", "sensor", "threshold"])]
+    /// Print the Pareto front of words and correlation on the chip, with --filter-only
+    ///
+    /// No filter of the list has both fewer words and a better correlation than another. Excludes
+    /// --output, --as and --objective.
+    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "language", "objective", "sensor", "threshold"], help_heading = heading::FILTER)]
     front: bool,
-    /// How long to search, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
+    /// Search effort, in seconds
+    ///
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
-    /// Another seed may find another program
-    #[arg(long, default_value_t = 0)]
+    /// Seed of the search; another seed may find another program
+    #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]
     seed: u64,
     /// Print JSON in place of text
     #[arg(long)]
@@ -145,27 +172,28 @@ pub struct Arguments {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Aim {
-    /// The events that are kept on the chip, as predicted, and nearly all of them without the chip's
-    /// errors too; with `--memory shared` as `events`, of several kinds with a memory each as `exact`
+    /// Most events kept on the chip, as predicted, and nearly all kept without the chip's errors,
+    /// too. With --memory shared this is `events`; for several kinds with a memory each, `exact`
     #[default]
     Silicon,
-    /// The events that are kept on the chip, as predicted; strong light or change may saturate; of
-    /// several kinds with a memory each as `exact`
+    /// Most events kept on the chip, as predicted. Strong light or change may saturate. For several
+    /// kinds with a memory each this is `exact`
     Events,
-    /// Signal over noise as predicted, and nothing saturates for light up to 254 of 255, but what is
-    /// compared behind a filter may: without the chip's errors the program says event for event what
-    /// the float model says; of SCAMP-5, 255 is beyond a register's range
+    /// Best signal-to-noise ratio, as predicted, of filters that do not saturate for light up to
+    /// 254 of 255. What is compared behind a filter may saturate. Without the chip's errors the
+    /// program has the same events as the float model. (On SCAMP-5, 255 is beyond the range of a
+    /// register.)
     Exact,
-    /// The fewest words of a program in which nothing saturates, as `exact`, and which is right at the
-    /// border where one is found: the default, of which strong light or change may saturate, can have
-    /// fewer
+    /// Fewest words of a program that does not saturate (as with `exact`), and is right at the
+    /// border if one is found. The default can have fewer words, but may saturate for strong light
+    /// or change
     Words,
 }
 
 /// How a program is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Language {
-    /// The language of the shipped programs
+    /// The language of programs/
     Scamp,
     /// C++ for the vendor's tools
     Cpp,

@@ -30,24 +30,24 @@ use crate::{
 /// How a program reads its events out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Asking {
-    /// The cheapest that loses no event of the scene on four chips of the model and without a chip's
-    /// errors, or none of the expected number; another scene or chip may lose some. All slots where
-    /// nobody says how many to expect
+    /// The cheapest that loses no event. With --scene: of the scene, on four chips of the model and
+    /// without a chip's errors (another scene or chip may lose some); with --events-per-frame: of
+    /// that number; else all slots
     #[default]
     Auto,
-    /// Event by event: slots for the busiest frame of these
+    /// Event by event, with slots for the busiest frame
     Slots,
-    /// Whole rows of bits
+    /// Whole bit planes
     Planes,
-    /// The rows of bits in which the scene has events
+    /// The rows of the bit planes in which the scene has events
     Region,
-    /// The box around the events, and none of them
+    /// The bounding box of the events, without the events
     Box,
-    /// About how many events there are, and none of them
+    /// The approximate number of events, without the events
     Counts,
-    /// A sum of the drive over the array, and no event
+    /// A sum of the drive over the array, without the events
     Sums,
-    /// Whether there is an event, and none of them
+    /// Whether there is an event, without the events
     Any,
 }
 

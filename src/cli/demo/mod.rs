@@ -29,10 +29,10 @@ const TIMES: u32 = 5;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example: amacrine demo --output out")]
 pub struct Arguments {
-    /// Where the event files and pictures go
+    /// Folder of the event files and pictures
     #[arg(short, long, alias = "out", default_value = "out", value_name = "DIR", value_parser = Content::Folder)]
     output: Output,
-    /// Chooses the silicon's mismatch and noise
+    /// Seed of the silicon's mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Print JSON in place of text

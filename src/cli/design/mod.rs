@@ -18,6 +18,7 @@ use super::{
     content::Content,
     event_rate::event_rate,
     files::{self, Named, Output},
+    heading,
     kernel_names::KernelNames,
     kernels::Kinds,
     light,
@@ -51,45 +52,58 @@ use crate::{
 pub struct Arguments {
     #[command(flatten)]
     kernels: KernelNames,
-    /// Events per pixel and second, all kinds together, each an equal share: the thresholds are
-    /// found
+    /// Events per pixel and second to reach, all kinds together
+    ///
+    /// The program finds the thresholds; each kind has an equal share of the events. Excludes
+    /// --threshold.
     #[arg(long, value_name = "EVENTS", value_parser = event_rate, conflicts_with = "threshold")]
     rate: Option<f64>,
-    /// Thresholds instead, in kernel times light (0 to 255): one for all kernels, or one for each;
-    /// a sensor file has its own
+    /// Thresholds in kernel times light (0 to 255): one for all kernels, or one for each
+    ///
+    /// Required, unless --rate is given or KERNELS are sensor files, which have their own. Excludes
+    /// --rate.
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// Few values that are tried (see `amacrine quantise --help`)
+    /// Quantisers to try (`amacrine quantise --help` lists them)
     #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
     to: Vec<Quantiser>,
-    /// What the program remembers: `analogue`, `shared` or `bits:N` [default: all that the chip
-    /// has room for are tried]
+    /// Memory of the program: analogue, bits:N or shared
+    ///
+    /// Default: the program tries all that the chip has room for.
     #[arg(long, value_name = "WHERE", value_parser = memory)]
     memory: Option<DriveMemory>,
-    /// What quantised kernels must sum to
+    /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// A shipped chip by name, or the folder of another
-    #[arg(long, default_value = "scamp5")]
+    /// Name of a shipped chip, or folder of your own
+    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
     chip: Named,
     #[command(flatten)]
     window: Window,
-    /// Which row is written: its number, `best` for the one that keeps most, or `knee` for the
-    /// shortest program that keeps nearly as much (`best` where none keeps anything)
+    /// Row of the table to write: its number, knee or best
+    ///
+    /// `best` is the row that keeps most. `knee` is the shortest program that keeps nearly as much;
+    /// if no row keeps anything, it is `best`.
     #[arg(long, default_value = "knee", value_name = "N|knee|best")]
     pick: Pick,
-    /// Chips that are drawn for the report of -o, from what the public data allow [default: 8]
-    #[arg(long, value_name = "N", requires = "output", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    /// Number of chips in the report of -o, drawn from what the public data allow [default: 8]
+    #[arg(long, value_name = "N", requires = "output", value_parser = clap::value_parser!(u64).range(1..=1024), help_heading = heading::CHIP)]
     chips: Option<u64>,
-    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
+    /// Search effort for each program, in seconds
+    ///
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]
     seed: u64,
-    /// Write sensor.toml, program.scamp and report.html into this folder
+    /// Write sensor.toml, program.scamp and report.html to this folder
+    ///
+    /// If left out, nothing is written.
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
     /// Print JSON in place of text

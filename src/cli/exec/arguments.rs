@@ -7,6 +7,7 @@ use super::super::{
     fidelity::Fidelity,
     figure::figure,
     files::{Named, Output},
+    heading,
     light::Samples,
     opened::Source,
     without::Terms,
@@ -21,72 +22,90 @@ use crate::{array::Arithmetic, event::file::Format, isa::Figure};
 pub struct Arguments {
     #[command(flatten)]
     pub(super) source: Source,
-    /// Set a register before the program runs (a .npy of shape (H,W)), a number of the chip
-    /// (error.noise=0.1), or a constant or slider of the program (threshold=20); can be given
-    /// more than once
+    /// Set a register, a number of the chip, or a constant or slider; may be repeated
+    ///
+    /// A register takes a .npy of shape (H,W), before the program runs (A=a.npy). A number of the
+    /// chip (error.noise=0.1), a constant or a slider of the program (threshold=20) takes a number.
     #[arg(long = "set", value_name = "NAME=FILE.npy|NUMBER", value_parser = assignment)]
     pub(super) sets: Vec<Assignment>,
-    /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
+    /// Light on the array: a picture, a clip, or pattern:NAME?key=value
+    ///
+    /// A still picture is shown in every frame. Default: as the program's settings say.
     #[arg(long, visible_alias = "scene")]
     pub(super) image: Option<Named>,
     #[command(flatten)]
     pub(super) samples: Samples,
-    /// How many frames to run; the first one runs `init`, the others `frame`
+    /// Number of frames to run: the first runs `init`, all others `frame`
+    ///
+    /// Default: the whole clip if --image names one, else as many as the program's settings say.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) frames: Option<u64>,
-    /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
     pub(super) fps: Option<f64>,
-    #[arg(long, help = format!("The arithmetic: {}", Arithmetic::names()))]
+    #[arg(long, help = format!("Arithmetic of the cells: {} [default: as the program says, else exact]", Arithmetic::names()))]
     pub(super) domain: Option<String>,
-    /// Limit every store to the chip's range
-    #[arg(long, value_enum)]
+    /// Clip every store to the chip's range
+    ///
+    /// Default: as the program says, else as the chip's data say.
+    #[arg(long, value_enum, help_heading = heading::CHIP)]
     pub(super) clip: Option<Switch>,
-    /// What registers off the array hold, in LSB [default: what the program says, else what the chip has]
-    #[arg(long)]
+    /// Value of registers beyond the border, in LSB
+    ///
+    /// Default: as the program says, else as the chip's data say.
+    #[arg(long, help_heading = heading::CHIP)]
     pub(super) edge: Option<f64>,
-    /// LSB that PIX rises by for one level of light [default: what the chip's data say]
-    #[arg(long)]
+    /// Rise of PIX for one level of light, in LSB [default: as the chip's data say]
+    #[arg(long, help_heading = heading::CHIP)]
     pub(super) gain: Option<f64>,
-    /// Which chip of the silicon domain, and which noise [default: 0]
-    #[arg(long)]
+    /// Seed of the silicon: the chip that is drawn, and its noise [default: 0]
+    #[arg(long, help_heading = heading::CHIP)]
     pub(super) seed: Option<u64>,
-    /// In which order the array is worked on, which changes only the speed: plain, tiled
-    #[arg(long)]
-    pub(super) schedule: Option<String>,
     #[command(flatten)]
     pub(super) fidelity: Fidelity,
     #[command(flatten)]
     pub(super) without: Terms,
-    #[arg(short = 'o', long, help = format!("Write the events that were read out; the extension names the format ({})", Format::names()), value_parser = Content::Events)]
+    #[arg(short = 'o', long, help = format!("Write the events that are read out; the extension names the format ({})", Format::names()), value_parser = Content::Events)]
     pub(super) events: Option<Output>,
-    /// Write every register into this folder, as .npy and .png
-    #[arg(long, value_parser = Content::Folder)]
+    /// Write every register to this folder, as .npy and .png
+    #[arg(long, value_parser = Content::Folder, help_heading = heading::OUTPUT)]
     pub(super) dump: Option<Output>,
-    /// Write what the program shows (`scamp5_output_image`) into this folder: a .png for each line
-    /// and frame
-    #[arg(long, value_name = "FOLDER", value_parser = Content::Folder)]
+    /// Write the pictures that the program shows (`scamp5_output_image`) to this folder
+    ///
+    /// One .png for each such line and each frame.
+    #[arg(long, value_name = "FOLDER", value_parser = Content::Folder, help_heading = heading::OUTPUT)]
     pub(super) displays: Option<Output>,
-    /// Write what registers hold after each line of the last frame, side by side (.png)
-    #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
+    /// Write one picture of the registers after each line of the last frame, side by side
+    #[arg(long, value_name = "FILE.png", value_parser = Content::Picture, help_heading = heading::OUTPUT)]
     pub(super) strip: Option<Output>,
-    /// Write a page for a browser that steps through the words of the last frames, forwards and
-    /// backwards: every register as a picture, on the chip (silicon, where --domain names no
-    /// other arithmetic that errs) and in exact arithmetic beside, the first pixel that parts, noise
-    /// on and off
-    #[arg(long, value_name = "PAGE.html", value_parser = Content::Page)]
+    /// Write a page for a browser that steps through the words of the last frames
+    ///
+    /// It steps forwards and backwards, and shows every register as a picture: on the chip and,
+    /// beside it, in exact arithmetic. The chip is `silicon`, unless --domain names another
+    /// arithmetic that has errors. The page marks the first pixel that differs, and switches noise
+    /// on and off.
+    #[arg(long, value_name = "PAGE.html", value_parser = Content::Page, help_heading = heading::OUTPUT)]
     pub(super) trace: Option<Output>,
-    /// Run so many times, with this seed and those that follow; print mean and spread
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["dump", "events", "strip", "debug", "displays", "trace"])]
+    /// Number of runs, with this seed and those that follow; prints mean and spread
+    ///
+    /// Excludes --events, --dump, --displays, --strip, --trace and --debug.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["dump", "events", "strip", "debug", "displays", "trace"], help_heading = heading::CHIP)]
     pub(super) repeat: Option<u64>,
-    /// Run the host of vendor C++ beside the array, statement by statement, also where it asks the
-    /// same of it in every frame: what it posts (`vs_post_text`, `printf`) is shown. A host that
-    /// decides by what it reads is always run so
+    /// Run the host code of vendor C++ statement by statement, beside the array
+    ///
+    /// This shows what it posts (`vs_post_text`, `printf`). It is always done if the host decides
+    /// by what it reads; this option does it for a host that asks the same of the array in every
+    /// frame, too.
     #[arg(long)]
     pub(super) host: bool,
-    /// Step through the program; commands are read from standard input, `help` lists them
+    /// Step through the program; type `help` for the commands
+    ///
+    /// Commands are read from standard input. Excludes --json, --strip, --trace and --repeat.
     #[arg(long, conflicts_with_all = ["json", "strip", "trace"])]
     pub(super) debug: bool,
+    /// Order of the work on the array: plain or tiled; it changes only the speed
+    #[arg(long, help_heading = heading::RESOURCES)]
+    pub(super) schedule: Option<String>,
     /// Print JSON in place of text
     #[arg(long)]
     pub(super) json: bool,

@@ -5,10 +5,12 @@ use crate::mesh::{MeshError, Sheet};
 /// The space constants of a sheet, as they are asked for.
 #[derive(Debug, clap::Args)]
 pub(super) struct Constants {
-    /// Space constant in pixels, 0 or more: λ² is transverse over lateral resistance
+    /// Space constant in pixels, 0 or more
+    ///
+    /// λ² is the ratio of transverse to lateral resistance.
     #[arg(long, value_name = "L")]
     pub lambda: f64,
-    /// Another space constant down the columns
+    /// Space constant down the columns, if it is another [default: --lambda]
     #[arg(long, value_name = "L")]
     pub lambda_y: Option<f64>,
 }

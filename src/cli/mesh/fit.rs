@@ -14,19 +14,25 @@ use crate::{
 /// What `mesh fit` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: amacrine mesh fit dvs csdvs-5 laplacian dog sobel-x --sheets 2\n\nodd: no resistors have it; mirrored: no sheet; turned: no sheet of equal resistors. The error is that of the whole plane, not of the window. Gain: what noise and offsets of the parts are multiplied by."
+    after_help = "Example: amacrine mesh fit dvs csdvs-5 laplacian dog sobel-x --sheets 2\n\nParts of a kernel that are out of reach: odd (no resistors have it), mirrored (no sheet has it), turned (no sheet of equal resistors has it). The error is that of the whole plane, not of the kernel's window. The gain multiplies noise and offsets of the parts."
 )]
 pub struct Arguments {
-    /// Kernel files (.toml or .npy), or names of built-in kernels
+    /// Kernels: files (.toml or .npy) or names of built-in ones
     #[arg(required = true)]
     kernels: Vec<Named>,
-    /// Sheets at most, 1 to 3; each number up to it has a row, as far as another sheet helps
+    /// Largest number of sheets, 1 to 3
+    ///
+    /// Each number of sheets up to it has a row, as long as another sheet helps.
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     sheets: u8,
-    /// Resistors down and across may differ
+    /// Let the resistors down the columns differ from those across
     #[arg(long)]
     anisotropic: bool,
-    /// What holds the gains down: added to the squared relative error for each squared gain, gains over the kernel's norm
+    /// Penalty that holds the gains down
+    ///
+    /// The fit minimises the squared relative error plus this number times the sum of the squared
+    /// gains, with gains relative to the norm of the kernel. With 0 it takes the least penalty that
+    /// keeps two sheets apart, and prints it.
     #[arg(long, default_value_t = 1e-4)]
     ridge: f64,
     /// Print JSON in place of text

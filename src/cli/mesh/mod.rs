@@ -22,13 +22,13 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    /// The settled surround of one signal
+    /// Solve the settled surround of one signal
     Solve(solve::Arguments),
-    /// The surround of a scene over time
+    /// Step the surround of a scene over time
     Step(step::Arguments),
-    /// What a mesh makes of kernels: the unreachable part, the best fit
+    /// Fit a mesh to kernels: the best fit, and the part that no mesh reaches
     Fit(fit::Arguments),
-    /// The surround, its frequency response, its voltages, in one picture
+    /// Draw the surround, its frequency response and its voltages in one picture
     Show(show::Arguments),
 }
 

@@ -11,10 +11,10 @@ use crate::{
 /// What of the sheet is written.
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
 pub(super) enum Show {
-    /// H, the surround
+    /// The surround H
     #[default]
     Surround,
-    /// P - H, what a Center Surround DVS is driven by
+    /// The difference P - H, which drives a Center Surround DVS
     Difference,
 }
 

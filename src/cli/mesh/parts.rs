@@ -1,7 +1,7 @@
 //! Parts of a sheet that are not equal, as silicon has them.
 
 use crate::{
-    cli::fidelity::percent,
+    cli::{fidelity::percent, heading},
     mesh::{Laterals, MeshError, Mismatch, Network, Settled, Sheet},
     plane::{Plane, Size},
 };
@@ -9,17 +9,22 @@ use crate::{
 /// Parts that differ, as they are asked for.
 #[derive(Debug, clap::Args)]
 pub(super) struct Parts {
-    /// Mismatch of the lateral resistors of one chip, such as 1%: the standard deviation of the logarithm
-    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    /// Mismatch of the lateral resistors of one chip, such as 1%
+    ///
+    /// It is the standard deviation of the logarithm of the resistance.
+    #[arg(long, value_name = "PERCENT", value_parser = percent, help_heading = heading::PARTS)]
     lateral_mismatch: Option<f64>,
     /// Mismatch of the transverse resistors, such as 10%
-    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    #[arg(long, value_name = "PERCENT", value_parser = percent, help_heading = heading::PARTS)]
     transverse_mismatch: Option<f64>,
-    /// Chooses the chip, whose parts are drawn [default: 0]
-    #[arg(long)]
+    /// Seed of the chip whose parts are drawn [default: 0]
+    #[arg(long, help_heading = heading::PARTS)]
     seed: Option<u64>,
-    /// Laterals that are transistors: saturating:V, whose current is V tanh(v / V), or opening:V, V sinh(v / V); V in the signal's unit
-    #[arg(long, value_name = "LAW:V", value_parser = laterals)]
+    /// Transistors in place of lateral resistors: saturating:V or opening:V
+    ///
+    /// At a voltage v the current of `saturating` is V tanh(v / V), that of `opening` V sinh(v /
+    /// V). V is in the unit of the signal.
+    #[arg(long, value_name = "LAW:V", value_parser = laterals, help_heading = heading::PARTS)]
     laterals: Option<Laterals>,
 }
 

@@ -25,22 +25,26 @@ use crate::{
     group = clap::ArgGroup::new("sheet").required(true)
 )]
 pub struct Arguments {
-    /// Space constant in pixels
+    /// Space constant in pixels, 0 or more
+    ///
+    /// Excludes --kernel.
     #[arg(long, value_name = "L", group = "sheet")]
     lambda: Option<f64>,
-    /// Another space constant down the columns
+    /// Space constant down the columns, if it is another [default: --lambda]
     #[arg(long, value_name = "L", requires = "lambda", conflicts_with = "kernel")]
     lambda_y: Option<f64>,
-    /// A kernel to be fitted: a file (.toml or .npy), or the name of a built-in
+    /// Kernel to fit: a file (.toml or .npy) or the name of a built-in one
+    ///
+    /// Excludes --lambda.
     #[arg(long, group = "sheet")]
     kernel: Option<Named>,
-    /// Sheets that may fit the kernel, 1 to 3
+    /// Largest number of sheets of the fit, 1 to 3, with --kernel
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "lambda")]
     sheets: u8,
-    /// A picture or .npy (H,W) whose voltages are drawn, in place of a spot and an edge
+    /// Signal whose voltages are drawn: a picture or .npy (H,W) [default: a spot and an edge]
     #[arg(short, long, value_name = "FILE")]
     input: Option<Named>,
-    /// Where to
+    /// Write the picture to this file
     #[arg(short, long, value_name = "FILE.png", value_parser = Content::Picture)]
     output: Output,
 }

@@ -32,13 +32,16 @@ pub struct Arguments {
     constants: Constants,
     #[command(flatten)]
     parts: Parts,
-    /// The signal P: a .npy of shape (H,W), or a picture
+    /// Signal P: a .npy of shape (H,W), or a picture
     #[arg(short, long, value_name = "FILE")]
     input: Named,
-    /// Where to: .npy (float64, of P's shape), or .png (gray from least to most)
+    /// Write the result to this file
+    ///
+    /// A .npy is float64 and has the shape of P; a .png is gray, from the least value to the
+    /// largest.
     #[arg(short, long, value_name = "FILE", value_parser = Content::Plane)]
     output: Output,
-    /// What to write
+    /// Quantity to write
     #[arg(long, value_enum, default_value = "surround")]
     show: Show,
     /// Print JSON in place of text

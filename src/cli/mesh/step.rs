@@ -13,6 +13,7 @@ use crate::{
         budget,
         content::Content,
         files::{Named, Output},
+        heading,
         light::{self, Samples},
         say,
     },
@@ -30,35 +31,39 @@ use crate::{
 /// What `mesh step` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: amacrine mesh step --lambda 10 --tau 1ms --scene clip.mp4 --output H.npy\n\nThe sheet starts settled to the first frame. With --rule v2e it is stepped as v2e does it, for comparison."
+    after_help = "Example: amacrine mesh step --lambda 10 --tau 1ms --scene clip.mp4 --output H.npy\n\nThe sheet starts settled to the first frame. --rule v2e steps it as v2e does, for comparison."
 )]
 pub struct Arguments {
     #[command(flatten)]
     constants: Constants,
-    /// Time constant C/g, such as 20ns, 0.5us or 1ms; 0us settles at once
+    /// Time constant C/g, such as 20ns, 0.5us or 1ms
+    ///
+    /// With 0us the sheet settles at once.
     #[arg(long, value_name = "TIME")]
     tau: Picos,
-    /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
+    /// Scene: a clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
     #[arg(short, long, alias = "image")]
     scene: Named,
     #[command(flatten)]
     samples: Samples,
-    /// Frames a second, instead of what the scene says
-    #[arg(long)]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
     fps: Option<f64>,
-    /// From light to signal, as in a sensor file: identity, or { log = { white = 255, offset = 1e-5 } }
+    /// Conversion of light to the signal, as in a sensor file
+    ///
+    /// Such as identity, or { log = { white = 255, offset = 1e-5 } }.
     #[arg(long, default_value = "identity", value_parser = response)]
     response: Response,
-    /// What the signal does between two frames
+    /// Course of the signal between two frames
     #[arg(long, value_enum, default_value = "ramp")]
     rule: Rule,
-    /// What to write
+    /// Quantity to write
     #[arg(long, value_enum, default_value = "surround")]
     show: Show,
-    /// At most so many frames
+    /// Largest number of frames
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
-    /// Where to: a .npy of shape (T,H,W), float64
+    /// Write a .npy of shape (T,H,W), float64
     #[arg(short, long, value_name = "FILE.npy", value_parser = Content::Array)]
     output: Output,
     /// Print JSON in place of text
@@ -80,11 +85,11 @@ struct Json {
 /// How a sheet is moved on.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Rule {
-    /// Exact; a straight line between frames
+    /// A straight line, solved exactly
     Ramp,
-    /// Exact; the later frame right after the earlier
+    /// A jump to the later frame right after the earlier one, solved exactly
     Step,
-    /// v2e's Euler steps, for comparison
+    /// The Euler steps of v2e, for comparison
     V2e,
 }
 

@@ -34,6 +34,7 @@ use super::{
     content::Content,
     event_rate::NoRate,
     files::{Named, Output},
+    heading,
     kernel_names::KernelNames,
     light,
     progress::Progress,
@@ -52,35 +53,44 @@ pub struct Arguments {
     kernels: KernelNames,
     #[command(flatten)]
     no_rate: NoRate,
-    /// One quantiser, or several with commas between
+    /// Quantiser, or several separated by commas
+    ///
+    /// The list of quantisers is at the end of this help.
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
-    /// What the quantised kernel must sum to
+    /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// Seed of stochastic rounding, and with a threshold of the searches and of the silicon
-    /// [default: 0]
+    /// Seed of stochastic rounding [default: 0]
+    ///
+    /// With --threshold it is the seed of the searches and of the silicon, too.
     #[arg(long)]
     seed: Option<u64>,
-    /// Write the levels as a kernel file
+    /// Write the levels to a kernel file
     #[arg(short, long, value_name = "FILE.toml", value_parser = Content::Kernel)]
     output: Option<Output>,
-    /// Draw the kernel and each of the quantised ones, side by side
+    /// Draw the kernel beside its quantised versions
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     picture: Option<Output>,
-    /// Compile each for the chip and run it against the float kernel: events where kernel times
-    /// light (0 to 255) moved by more than this: one number for all kernels, or one for each; a
-    /// sensor file has its own
-    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
+    /// Threshold at which each version runs on the chip, beside the float kernel
+    ///
+    /// In kernel times light (0 to 255): one number for all kernels, or one for each. A cell has an
+    /// event when its drive has moved by more than this. Sensor files have their own and run
+    /// without this option, too. The other options under Chip, Scene, Search and Comparison need a
+    /// threshold.
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS", help_heading = heading::CHIP)]
     threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
-    /// A shipped chip by name, or the folder of another, with a threshold [default: scamp5]
-    #[arg(long)]
+    /// Name of a shipped chip, or folder of your own [default: scamp5]
+    #[arg(long, help_heading = heading::CHIP)]
     chip: Option<Named>,
-    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same, with a threshold
-    /// [default: 1]
-    #[arg(long, value_parser = super::effort::seconds)]
+    /// Search effort for each program, in seconds [default: 1]
+    ///
+    /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
+    /// kernels, take several times as long. The program counts states of the search, not time: a
+    /// slower computer takes longer and finds the same program.
+    #[arg(long, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
     effort: Option<f64>,
     #[command(flatten)]
     window: Window,

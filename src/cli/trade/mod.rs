@@ -14,6 +14,7 @@ use super::{
     budget,
     content::Content,
     files::{Input, Named, Output},
+    heading,
     light::{self, Samples},
     progress::Progress,
     quantiser::number_format,
@@ -40,52 +41,58 @@ use crate::{
     after_help = "Examples:\n  amacrine trade --scene bundled --sensor rgc -o trade.svg\n  amacrine trade --scene bundled --program dvs/snap -o trade.svg\n  amacrine trade --scene bundled --sensor csdvs --upsample 0.2 --verify\n\nEach model runs on the same sample of tiles beside the full one. docs/fidelity.md says what the\nlimit of a change means, and what a sample cannot see."
 )]
 pub struct Arguments {
-    /// The scene, as for `amacrine run`
+    /// Scene, as for `amacrine run`
     #[arg(long, alias = "image")]
     scene: Named,
-    /// The sensor file; the full model has all its effects, in f64
+    /// Sensor file; the full model has all its effects, in f64
+    ///
+    /// Excludes --program and its options.
     #[arg(long)]
     sensor: Option<Input>,
-    /// The program; the full model is --domain
+    /// Program; the full model is that of --domain
+    ///
+    /// Excludes --sensor and --upsample.
     #[arg(long)]
     program: Option<Input>,
-    /// A shipped chip by name, or the folder of another; else the one of the program's settings
-    #[arg(long, conflicts_with = "sensor")]
+    /// Name of a shipped chip, or folder of your own [default: as the program's settings say]
+    #[arg(long, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
     chip: Option<Named>,
-    /// Set a constant of the program; can be given more than once
-    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::opened::constant, conflicts_with = "sensor")]
+    /// Constant of the program to set; may be repeated
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::opened::constant, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
     constants: Vec<(String, f64)>,
-    #[arg(long, conflicts_with = "sensor", value_parser = domain, help = format!("The arithmetic of the full model: {} [default: silicon]", Arithmetic::names()))]
+    #[arg(long, conflicts_with = "sensor", value_parser = domain, help = format!("Arithmetic of the full model: {} [default: silicon]", Arithmetic::names()), help_heading = heading::PROGRAM)]
     domain: Option<Arithmetic>,
-    /// How many frames of the scene the program sees; all when left out
-    #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..))]
+    /// Number of frames of the scene that the program sees, 3 or more [default: all]
+    #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..), help_heading = heading::PROGRAM)]
     frames: Option<u64>,
-    /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
-    /// Insert frames, as for `amacrine run`
-    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast, conflicts_with = "program")]
+    /// Insert frames, as `amacrine run` does
+    ///
+    /// Excludes --program.
+    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast, conflicts_with = "program", help_heading = heading::SCENE)]
     upsample: Option<f64>,
-    /// Chooses mismatch and noise, and the tiles
-    #[arg(long, default_value_t = 0)]
+    /// Seed of mismatch and noise, and of the choice of tiles
+    #[arg(long, default_value_t = 0, help_heading = heading::MODELS)]
     seed: u64,
-    #[arg(long, help = format!("Number formats in place of the full model's, of: {} [default: {} of a sensor, {} of a program]", Format::names(), sensor::FORMATS.join(","), program::FORMATS.join(",")), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format)]
+    #[arg(long, help = format!("Number formats to try in place of the full model's: {} [default: {} for a sensor, {} for a program]", Format::names(), sensor::FORMATS.join(","), program::FORMATS.join(",")), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format, help_heading = heading::MODELS)]
     formats: Option<Vec<Format>>,
-    /// An event that is moved by more than this is changed
-    #[arg(long, default_value = "100us", value_name = "TIME")]
+    /// Largest shift in time of an event that does not count as changed
+    #[arg(long, default_value = "100us", value_name = "TIME", help_heading = heading::MODELS)]
     within: Micros,
-    /// The part of the sensor that is run, such as 10%; twelve tiles at least
-    #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = part)]
+    /// Part of the sensor that is run, such as 10%; at least twelve tiles
+    #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = part, help_heading = heading::MODELS)]
     sample: f64,
-    /// How many runs of a model share what it took to know its error
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Number of runs of a model that share the cost of knowing its error
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), help_heading = heading::MODELS)]
     runs: u32,
-    /// Run every model on the whole scene, too, and take its times and changes
+    /// Run every model on the whole scene, too, and take its times and changes from there
     #[arg(long)]
     verify: bool,
-    /// Draw error against seconds; .svg or .png
+    /// Draw error against seconds (.svg or .png)
     #[arg(short, long, value_name = "FILE", value_parser = Content::Drawing)]
     output: Option<Output>,
     /// Print JSON in place of text
