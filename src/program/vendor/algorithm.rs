@@ -44,6 +44,9 @@ impl Machine<'_> {
         if let Some(found) = self.added(name, given, place) {
             return found;
         }
+        if let Some(found) = self.over_text(name, given, place) {
+            return found;
+        }
         let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
         for value in &values {
             self.keeps_register(name, value, place);
@@ -72,6 +75,10 @@ impl Machine<'_> {
             _ => self.moved_about(name, &values),
         };
         found.unwrap_or_else(|| {
+            // Iterators of a text do not say which it is.
+            if moves(name) && matches!(values.first(), Some(Value::Text(_))) {
+                self.text_places(name, place);
+            }
             let mut may_write = values;
             may_write.retain(|it| !looks(name) || matches!(it, Value::Lambda(_)));
             self.written_by(name, &may_write);
@@ -457,6 +464,28 @@ fn looks(name: &str) -> bool {
             | "distance"
             | "next"
             | "prev"
+    )
+}
+
+/// Whether an algorithm changes the elements that it is given first.
+fn moves(name: &str) -> bool {
+    matches!(
+        name,
+        "sort"
+            | "stable_sort"
+            | "reverse"
+            | "rotate"
+            | "fill"
+            | "fill_n"
+            | "generate"
+            | "iota"
+            | "iter_swap"
+            | "replace"
+            | "remove"
+            | "remove_if"
+            | "unique"
+            | "transform"
+            | "for_each"
     )
 }
 

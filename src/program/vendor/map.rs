@@ -155,11 +155,13 @@ impl Machine<'_> {
             }
             ("insert", [it]) => {
                 let it = shape::object(it.clone(), entry).ok()?;
+                let it = self.with_texts(it, false);
                 return self.inserted((location, false), it, place);
             }
             ("emplace" | "try_emplace" | "insert_or_assign", [key, value]) => {
                 let pair = vec![key.clone(), value.clone()];
                 let it = shape::record(entry, pair).ok()?;
+                let it = self.with_texts(it, false);
                 let again = member == "insert_or_assign";
                 return self.inserted((location, again), it, place);
             }

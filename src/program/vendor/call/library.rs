@@ -8,10 +8,7 @@ use super::super::{
     tree::{Expr, ExprNode, Kind},
     value::Value,
 };
-use crate::{
-    config::{Fault, Place},
-    limit::VENDOR_VALUES,
-};
+use crate::config::{Fault, Place};
 
 impl Machine<'_> {
     /// `static_assert(condition, "why")`
@@ -64,27 +61,6 @@ impl Machine<'_> {
                 self.error(place, message, "this length", "give it a length from 0 on");
                 Value::Whole(0)
             }
-        }
-    }
-
-    /// `std::string("text")`, `std::string(length, character)`
-    pub(super) fn text(&mut self, given: &[Expr]) -> Value {
-        let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        match &all[..] {
-            [] => Value::Text("".into()),
-            [text @ Value::Text(_)] => text.clone(),
-            [length, character] => {
-                let code = { character.whole() }.and_then(|it| u8::try_from(it).ok());
-                let length = { length.whole() }.and_then(|it| usize::try_from(it).ok());
-                let code = code.filter(u8::is_ascii);
-                match code.zip(length.filter(|it| *it <= VENDOR_VALUES)) {
-                    Some((code, length)) => {
-                        Value::Text(char::from(code).to_string().repeat(length).into())
-                    }
-                    None => Value::Unknown("a text".into()),
-                }
-            }
-            _ => Value::Unknown("a text".into()),
         }
     }
 
