@@ -404,12 +404,10 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             place: place.to(it.before()),
         });
     }
-    if std && &*name == "string" && it.sees("{") {
-        let all = braces(it)?;
-        return Ok(Expr::made(&full, vec![all], place.to(it.before())));
-    }
-    if it.classes.contains(&name) && it.sees("{") {
-        let given = given_in(braces(it)?);
+    let text = std && &*name == "string";
+    if (text || it.classes.contains(&name)) && it.sees("{") {
+        let of = braces(it)?;
+        let given = if text { vec![of] } else { given_in(of) };
         return Ok(Expr::made(&full, given, place.to(it.before())));
     }
     let node = match &*name {
@@ -549,10 +547,10 @@ fn size_of(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
         && (plain || enumeration.is_some())
         && it.take(")")
     {
-        let kind = match (found.pointer, found.kind, enumeration) {
-            (true, ..) => Kind::Bits(64, false),
-            (false, Kind::Any, Some(kind)) => kind,
-            (false, kind, _) => kind,
+        let kind = match (found.pointer, found.kind) {
+            (true, _) => Kind::Bits(64, false),
+            (false, Kind::Any) => enumeration.unwrap_or(Kind::Any),
+            (false, kind) => kind,
         };
         let place = place.to(it.before());
         let zero = Box::new(Expr {

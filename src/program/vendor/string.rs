@@ -477,7 +477,7 @@ fn asked(text: &Word, member: &str, given: &[Value]) -> Option<Value> {
         _ => None,
     };
     match (member, given) {
-        ("c_str" | "data" | "begin" | "cbegin", []) => Some(Value::Text(text.clone())),
+        ("c_str" | "data" | "begin" | "cbegin" | "substr", []) => Some(Value::Text(text.clone())),
         ("end" | "cend", []) => Some(Value::Text("".into())),
         ("size" | "length", []) => Some(Value::size_t(text.len() as i64)),
         ("empty", []) => Some(Value::flag(text.is_empty())),
@@ -506,7 +506,6 @@ fn asked(text: &Word, member: &str, given: &[Value]) -> Option<Value> {
         }
         ("starts_with", [it]) => Some(Value::flag(text.starts_with(&*wanted(it)?))),
         ("ends_with", [it]) => Some(Value::flag(text.ends_with(&*wanted(it)?))),
-        ("substr", []) => Some(Value::Text(text.clone())),
         ("substr", [from]) => Some(Value::Text(part(text, Some(from), None)?.into())),
         ("substr", [from, length]) => {
             Some(Value::Text(part(text, Some(from), Some(length))?.into()))
@@ -530,7 +529,7 @@ fn changed(text: &str, member: &str, given: &[Value]) -> Option<String> {
         Some(from.saturating_add(length).min(text.len()))
     };
     match (member, given) {
-        ("clear", []) | ("erase", []) => Some(String::new()),
+        ("clear" | "erase", []) => Some(String::new()),
         ("append", [Value::Text(more)]) => between(text.len(), text.len(), more),
         ("append", [length, code]) => between(text.len(), text.len(), &repeated(length, code)?),
         ("push_back", [code]) => {

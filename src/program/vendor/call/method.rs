@@ -64,6 +64,9 @@ impl Machine<'_> {
                     .map(|it| (self.calls, it));
                 found
             }
+            (Some(Value::Text(_)), Reach::Location(..)) if member == "swap" && given.len() == 1 => {
+                self.swapped(of, &given[0])
+            }
             (Some(Value::Text(_)), _) => self.text_method((&reached, &name), member, given, place),
             (Some(Value::Record(layout, _)), _)
                 if layout.members.iter().any(|it| &*it.name == member) =>

@@ -472,28 +472,21 @@ impl Parser<'_> {
             .any(|it| it == "static")
     }
 
-    /// `typedef type name;`, `using name = type;`, if one stands here; nothing in it where that
-    /// defines a class, or is of a base.
-    fn own_type(&mut self) -> Option<Option<StmtNode>> {
-        match self.word(0) {
-            "typedef" => {
-                self.at += 1;
-                let defines = self.is_definition();
-                self.at -= 1;
-                Some(if defines { None } else { self.typedef().ok() })
-            }
-            "using" => {
-                let name = self.peek(1).and_then(Token::name).cloned();
-                let named = name.filter(|_| self.peek(2).is_some_and(|t| t.is("=")));
-                Some(named.map(|name| {
-                    self.at += 3;
-                    self.alias(name);
-                    self.skip_past(";");
-                    StmtNode::Nothing
-                }))
-            }
-            _ => None,
+    /// `typedef type name;` or `using name = type;` in a class; nothing where it defines a class, or
+    /// is of a base.
+    fn own_type(&mut self) -> Option<StmtNode> {
+        if self.word(0) == "typedef" {
+            self.at += 1;
+            let defines = self.is_definition();
+            self.at -= 1;
+            return if defines { None } else { self.typedef().ok() };
         }
+        let name = self.peek(1).and_then(Token::name).cloned();
+        let name = name.filter(|_| self.peek(2).is_some_and(|t| t.is("=")))?;
+        self.at += 3;
+        self.alias(name);
+        self.skip_past(";");
+        Some(StmtNode::Nothing)
     }
 
     /// The names that a class has for types are its own: outside they are known behind its name.
@@ -591,8 +584,8 @@ impl Parser<'_> {
         if self.is_friend() {
             return self.befriended();
         }
-        if let Some(own) = self.own_type() {
-            return own;
+        if matches!(self.word(0), "typedef" | "using") {
+            return self.own_type();
         }
         if matches!(self.word(0), "struct" | "class") {
             let named = !self.word(1).is_empty();
