@@ -292,6 +292,15 @@ impl Machine<'_> {
     fn looked(&self, name: &str, values: &[Value], kind: Kind) -> Option<Value> {
         let range = self.range(values.first()?, values.get(1)?)?;
         let all = self.values_of(&range);
+        if let ("count" | "find", Some(wanted @ Value::Text(_))) = (name, values.get(2)) {
+            let orders = all.iter().map(|it| it.order(wanted));
+            let same: Vec<bool> = orders.map(|it| Some(it?.is_eq())).collect::<Option<_>>()?;
+            let first = same.iter().position(|it| *it);
+            return Some(match name {
+                "find" => range.pointer(first.unwrap_or(range.length)),
+                _ => Value::Whole(same.iter().filter(|it| **it).count() as i64),
+            });
+        }
         let numbers: Vec<f64> = all.iter().map(Value::number).collect::<Option<_>>()?;
         let wanted = values.get(2).map(Value::number);
         match (name, wanted) {

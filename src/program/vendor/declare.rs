@@ -528,6 +528,7 @@ impl Machine<'_> {
             value => value,
         };
         let layout = self.layouts.get(&it.of).filter(|_| !it.pointer).cloned();
+        let value = self.with_keys(value, layout.as_deref());
         let leaf = Leaf {
             kind: self.resolved(it.kind),
             layout: layout.as_ref(),

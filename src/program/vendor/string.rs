@@ -136,8 +136,30 @@ impl Machine<'_> {
         }
     }
 
+    /// Elements of a map in braces whose keys are texts, with those as copies.
+    pub(super) fn with_keys(&self, value: Value, map: Option<&Layout>) -> Value {
+        let entry = map.and_then(|it| it.entry.as_ref());
+        let first = entry.and_then(|it| it.members.first());
+        let mut all = match value {
+            Value::List(all) if first.is_some_and(|it| it.text) => all,
+            value => return value,
+        };
+        for it in &mut all {
+            if let Value::List(pair) = it
+                && let Some(key) = pair.first_mut()
+            {
+                *key = self.string_of(key.clone());
+            }
+        }
+        Value::List(all)
+    }
+
     /// An object of a class, from the values of its members in their order.
     pub(super) fn record(&self, layout: &Rc<Layout>, given: Vec<Value>) -> Value {
+        let given = match self.with_keys(Value::List(given), Some(layout)) {
+            Value::List(given) => given,
+            other => vec![other],
+        };
         let made = shape::record(layout, given);
         let made = made.unwrap_or_else(|why| Value::Unknown(why.into()));
         self.with_texts(made, false)
@@ -155,6 +177,10 @@ impl Machine<'_> {
                 made @ (Value::Text(_) | Value::Unknown(_)) => made,
                 _ => Value::Unknown("a text".into()),
             };
+        }
+        if let [from @ Value::Pointer(..), to @ Value::Pointer(..)] = &values[..] {
+            let copied = self.copied_range(from, to).map(shape::text);
+            return copied.unwrap_or_else(|| Value::Unknown("a text".into()));
         }
         let part_of = given.first().and_then(|it| self.gives_string(it)) == Some(true);
         let values: Vec<Value> = values.iter().map(|it| self.as_text(it)).collect();

@@ -5,6 +5,7 @@ use super::super::{
     host::{self},
     machine::{GAIN, Machine},
     reach::{Reach, base_name},
+    shape,
     tree::{Expr, ExprNode, Kind},
     value::Value,
 };
@@ -42,7 +43,15 @@ impl Machine<'_> {
         match &all[..] {
             [copied @ Value::List(_)] => return copied.clone(),
             [from @ Value::Pointer(..), to @ Value::Pointer(..)] => {
+                let rows = match from {
+                    Value::Pointer(slot, path, _) => {
+                        let characters = matches!(self.kind_at(*slot, path), Kind::Bits(8, _));
+                        characters && !self.is_library(*slot, path)
+                    }
+                    _ => false,
+                };
                 let copied = self.copied_range(from, to);
+                let copied = if rows { copied.map(spelled) } else { copied };
                 return copied.unwrap_or_else(|| Value::Unknown("what an array copies".into()));
             }
             _ => {}
@@ -395,6 +404,27 @@ impl Machine<'_> {
             .help(format!("give `{name}` a value from {low} to {high}")),
         );
     }
+}
+
+/// Rows of characters as the texts that they hold: nothing else is made of them.
+fn spelled(copied: Value) -> Value {
+    let Value::List(all) = copied else {
+        return copied;
+    };
+    let row = |it: Value| match it {
+        Value::List(codes) => {
+            let ends = |it: &Value| it.whole() == Some(0);
+            let length = codes.iter().position(ends).unwrap_or(codes.len());
+            let numbers = codes.iter().all(|it| matches!(it, Value::Whole(_)));
+            if numbers {
+                shape::text(Value::List(codes[..length].to_vec()))
+            } else {
+                Value::List(codes)
+            }
+        }
+        it => it,
+    };
+    Value::List(all.into_iter().map(row).collect())
 }
 
 /// `std::to_string(number)`
