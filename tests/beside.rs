@@ -344,6 +344,22 @@ fn posts_places_and_ends() {
         &[],
     );
     assert_eq!(text, ["12!   !", "12!"]);
+    // Texts are made of arrays of characters; of what is not known it is said that it is left out.
+    let text = posts(
+        "char line[8] = \"ab\"; std::string s = std::string(line) + std::string(\"/0\"); line[0] = 'x'; vs_post_text(s.c_str()); vs_post_text(\"%s %d\", s.c_str(), (int)(s < line));",
+        1,
+        &[],
+    );
+    assert_eq!(text, ["ab/0", "ab/0 1"]);
+    let said = posts_each_frame(
+        "int main() { char line[8] = \"ab\"; std::string s = line; while (1) { vs_frame_loop_control(); get_image(A, F); vs_post_text(\"1\"); vs_post_text(\"2\"); vs_post_text(s.c_str()); line[0] = vs_gpio_read(1); vs_post_text(line); } }",
+        ["1", "2", "ab"],
+    );
+    let said = said["source_warnings"].to_string();
+    assert!(
+        said.contains("what is posted, the text in `line` decides: it is left out"),
+        "{said}"
+    );
     // Halves are rounded to even, as the C library does.
     let text = posts(
         "vs_post_text(\"%.1f %.1f %.0f %.0f %6.2f\", 0.25, 0.75, 2.5, 3.5, -1.005);",

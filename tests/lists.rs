@@ -220,6 +220,12 @@ fn verbs() {
     assert!(page.contains(&list), "README.md: {list}");
 }
 
+fn is_rust(name: &str) -> bool {
+    Path::new(name)
+        .extension()
+        .is_some_and(|ending| ending == "rs")
+}
+
 /// Each file of tests has its row in `tests/README.md`, in order, and no row is of a file that is gone.
 #[test]
 fn tests_are_listed() {
@@ -227,7 +233,7 @@ fn tests_are_listed() {
     let mut files: Vec<String> = fs::read_dir(&folder)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .filter(|name| name.ends_with(".rs"))
+        .filter(|name| is_rust(name))
         .collect();
     files.sort();
     let page = fs::read_to_string(folder.join("README.md")).unwrap();
@@ -235,7 +241,7 @@ fn tests_are_listed() {
     let names = rows.filter_map(|row| row.split_once('`'));
     let listed: Vec<&str> = names
         .map(|(name, _)| name)
-        .filter(|name| name.ends_with(".rs"))
+        .filter(|name| is_rust(name))
         .collect();
     assert_eq!(listed, files);
 }

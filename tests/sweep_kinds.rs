@@ -647,7 +647,7 @@ fn pilots_are_of_all_weights() {
 fn the_documented_study_of_several_kinds_runs() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sweeps.md");
     let docs = fs::read_to_string(docs).unwrap();
-    let (_, part) = docs.split_once("**Several kinds in one sensor.**").unwrap();
+    let (_, part) = docs.split_once("### Several kinds of cells").unwrap();
     let (_, study) = part.split_once("```toml\n").unwrap();
     let (study, _) = study.split_once("```").unwrap();
     let folder = folder();

@@ -493,6 +493,15 @@ fn kernels_that_never_run_are_named_with_what_would_run_them() {
         list.2,
         "line 2 (in `unused`, which nothing calls), line 5 (when somebody acts at the GUI), line 8 (`--const trig=1`)"
     );
+    // A register or a text is not set from outside; what is called with another argument is named.
+    let text = format!(
+        "void f(DREG r, int n) {{\nif (r == R6) {{\n{BEGIN} res(A); {END} }}\nif (n > 3) {{\n{BEGIN} res(A); {END} }} }} std::string s = \"a\"; int main() {{ f(R5, 1);\nif (s == \"b\") {{\n{BEGIN} res(A); {END} }}\n{BEGIN} res(B); {END} }}"
+    );
+    let all = warned(&text, &[]);
+    assert_eq!(
+        all[0].2,
+        "line 3 (by a call of `f` with another `r`), line 5 (by a call of `f` with another `n`), line 7 (behind a condition)"
+    );
     // It runs then, and is held to what every kernel is held to.
     let text = format!(
         "const int trig = 0; int main() {{ if (!trig) {{\n{BEGIN} res(A); {END} }} else {{\n{BEGIN} res(B); {END} }} }}"

@@ -1005,6 +1005,143 @@ char lit[] = "xyz"; scamp5_in(B, sizeof(lit)); scamp5_in(B, lit[3]); for (char* 
     );
 }
 
+/// Each row has the bytes of its text, a 0, and more of those up to its length; what stands behind
+/// it in braces is the next member.
+#[test]
+fn rows_of_characters_are_texts() {
+    numbers(
+        r##"const char glyph[3][4] = {"#.#", ".#.", "#.#"}; const char names[][8] = {"ab", "cde", "f"}; char one[8] = {"abc"}; const char wide[8] = "hey";
+struct Step { char name[8]; int shifts; }; const Step steps[2] = {{"right", 3}, {"more", 2}}; struct Tag { char text[4] = "dd"; int n = 1; };"##,
+        r#"int set = 0; for (int r = 0; r < 3; r++) for (int c = 0; c < 3; c++) if (glyph[r][c] == '#') set = set * 10 + 3 * r + c; scamp5_in(A, set / 100); scamp5_in(A, set % 100); scamp5_in(A, glyph[1][3]);
+scamp5_in(A, sizeof(names) / sizeof(names[0])); scamp5_in(A, (int)strlen(names[1])); scamp5_in(A, strcmp(names[2], "f")); scamp5_in(A, (int)strlen(one)); scamp5_in(A, one[2]); scamp5_in(A, one[7]); scamp5_in(A, sizeof(wide)); scamp5_in(A, (int)(strchr(wide, 'y') - wide));
+for (auto& it : steps) { scamp5_in(B, it.shifts); scamp5_in(B, (int)strlen(it.name)); scamp5_in(B, it.name[1]); } Step by = {"x"}; scamp5_in(B, by.shifts); by = {"long", 7}; scamp5_in(B, by.name[3]); scamp5_in(B, by.shifts); Step named = {.name = "n", .shifts = 4}; scamp5_in(B, named.name[0] + named.shifts);
+Tag t; scamp5_in(C, t.text[1]); scamp5_in(C, t.n); char rows[2][3][4] = {{"a", "b"}, {"ccc"}}; scamp5_in(C, rows[0][1][0]); scamp5_in(C, rows[1][0][2]); scamp5_in(C, rows[1][2][0]); for (std::string it : names) scamp5_in(C, (int)it.size()); unsigned char u[4] = {"A"}; scamp5_in(C, u[0] + u[1]);"#,
+        &[
+            24, 68, 0, 3, 3, 0, 3, 99, 0, 8, 2, 3, 5, 105, 2, 4, 111, 0, 103, 7, 114, 100, 1, 98,
+            99, 0, 2, 3, 1, 65,
+        ],
+    );
+}
+
+/// Through every door by which a value goes into a `std::string`: declarations, braces, assignments,
+/// parameters, what functions give back, members, elements.
+#[test]
+fn texts_are_copies_of_what_they_are_given() {
+    numbers(
+        r#"char buf[8] = "k"; const std::string mode{"edge"}; struct S { std::string n{"m"}; int v; }; struct P { std::string n; int v = 2; P(const std::string& it) : n(it) {} P(const char* it, int k) : n{it}, v(k) {} void name(const char* it) { n = it; } };
+bool is(const std::string& s) { return s == "k"; } bool by(std::string s) { s += 'x'; return s == "kx"; } std::string name(int n) { char b[8]; sprintf(b, "f%d", n); return b; } std::vector<std::string> both() { char b[4] = "q"; return {b, "r"}; } struct Q { std::string n; int v; }; Q made() { char b[4] = "z"; return {b, 3}; }"#,
+        r#"scamp5_in(A, mode == "edge"); std::string a = {"edge"}, e{}, c{'a', 'b'}, d{buf}; scamp5_in(A, a == mode); scamp5_in(A, e == "" && e.empty()); scamp5_in(A, c == "ab"); scamp5_in(A, d == "k"); scamp5_in(A, is({"k"})); S s; scamp5_in(A, s.n == "m"); S t{buf, 5}; scamp5_in(A, t.n == "k" && t.v == 5);
+std::string u; u = buf; std::vector<std::string> v; v.push_back(buf); v.emplace_back(buf); v.emplace_back("abc", 2); v.emplace_back(2, 'z'); std::map<int, std::string> m; m[1] = buf; m.insert({2, buf}); m.emplace(3, buf); P p(buf); P q(buf, 9); Q r = {buf, 1}; std::pair<int, std::string> pair(1, buf); std::string all[2] = {buf}; p.name(buf); auto w = std::string(buf);
+buf[0] = 'w'; scamp5_in(B, u == "k"); scamp5_in(B, v[0] == "k"); scamp5_in(B, v[1] == "k"); scamp5_in(B, v[2] == "ab" && v[3] == "zz"); scamp5_in(B, m[1] == "k"); scamp5_in(B, m[2] == "k" && m[3] == "k"); scamp5_in(B, p.n == "k"); scamp5_in(B, q.n == "k" && q.v == 9); scamp5_in(B, r.n == "k"); scamp5_in(B, pair.second == "k"); scamp5_in(B, all[0] == "k" && all[1] == ""); scamp5_in(B, w == "k"); w += 'c'; scamp5_in(B, w == "kc");
+scamp5_in(C, is(buf)); buf[0] = 'k'; scamp5_in(C, is(buf)); scamp5_in(C, by(buf)); scamp5_in(C, name(3) == "f3"); u = name(4); scamp5_in(C, u == "f4"); auto f = name(5); f += 'x'; scamp5_in(C, f == "f5x"); scamp5_in(C, both()[0] == "q" && both()[1] == "r"); scamp5_in(C, made().n == "z"); r = {buf, 8}; buf[0] = 'y'; scamp5_in(C, r.n == "k"); v = {buf, "b"}; buf[0] = 'k'; scamp5_in(C, v[0] == "y"); v[1] = buf; scamp5_in(C, v[1] == "k"); for (std::string it : v) { it += '!'; scamp5_in(C, it.size()); } for (auto it : v) { it += '!'; scamp5_in(C, it == "y!" || it == "k!"); }
+const char* lead = "ab"; scamp5_in(D, is(lead)); auto add = [](const std::string& it) { return it + 'c'; }; scamp5_in(D, add(lead) == "abc"); scamp5_in(D, add(buf) == "kc");"#,
+        &[
+            1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1,
+            1, 1, 1, 2, 2, 1, 1, 0, 1, 1,
+        ],
+    );
+}
+
+/// By what they hold, from either side; arrays of the library have an order too.
+#[test]
+fn texts_are_compared_with_arrays_of_characters() {
+    numbers(
+        "char buf[8];",
+        r#"sprintf(buf, "m%d", 2); std::string want = "m2"; scamp5_in(A, want == buf); scamp5_in(A, buf == want); scamp5_in(A, want != buf); scamp5_in(A, std::string(buf) == "m2"); scamp5_in(A, want + buf == "m2m2"); want += buf; scamp5_in(A, want == "m2m2"); scamp5_in(A, std::string("a") + buf == "am2"); scamp5_in(A, buf + std::string("!") == "m2!");
+std::string a = "a", b = "b"; scamp5_in(B, a < b); scamp5_in(B, a > b); scamp5_in(B, a <= "a"); scamp5_in(B, "b" >= a); scamp5_in(B, want < buf); std::array<int, 2> x = {1, 2}, y = {1, 3}; scamp5_in(B, x < y); scamp5_in(B, x >= y); std::vector<int> v = {1}, w = {1, 0}; scamp5_in(B, v < w); scamp5_in(B, v == w); const char* p = buf; scamp5_in(B, p == buf); scamp5_in(B, p == NULL);"#,
+        &[1, 1, 0, 1, 1, 1, 1, 1, 1, 0, 1, 1, 0, 1, 0, 1, 0, 1, 0],
+    );
+}
+
+/// Constructors of two and three arguments; what `append` gives back is the text itself.
+#[test]
+fn texts_are_made_of_parts() {
+    numbers(
+        "",
+        r#"std::string a("abc", 2), b("abc"), c(b, 1, 1), d(2, 'k'), e(b, 1), f("abcd", 1, 2), g(b.begin(), b.end()); scamp5_in(A, a == "ab"); scamp5_in(A, c == "b"); scamp5_in(A, d == "kk"); scamp5_in(A, e == "bc"); scamp5_in(A, f == "bc"); scamp5_in(A, g == "abc"); scamp5_in(A, std::string("abc", 1) == "a"); scamp5_in(A, std::string{"q"} + 'r' == "qr"); std::vector<std::string> v = {std::string{b}, std::string(3, 'x')}; scamp5_in(A, v[0] == "abc" && v[1] == "xxx");
+std::string s; s.append("x").append("y"); scamp5_in(B, s == "xy"); (s += "a") += "b"; scamp5_in(B, s == "xyab"); std::string& r = s.append("!"); r += "z"; scamp5_in(B, s == "xyab!z"); std::string t; t = s.append("?"); scamp5_in(B, t == s); t.append(2, '-'); scamp5_in(B, t == "xyab!z?--"); struct { std::string n; } o; o.n.append("p").append("q"); scamp5_in(B, o.n == "pq"); scamp5_in(B, b + t.back() == "abc-");"#,
+        &[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1],
+    );
+}
+
+/// Functions, characters and algorithms over all of a text.
+#[test]
+fn texts_are_changed_in_place() {
+    numbers(
+        "",
+        r#"std::string s = "abc"; s[1] = 'X'; scamp5_in(A, s == "aXc"); s[0] += 1; scamp5_in(A, s == "bXc"); scamp5_in(A, s.front()); scamp5_in(A, s.back()); scamp5_in(A, s.at(1)); s.pop_back(); s.insert(1, "--"); scamp5_in(A, s == "b--X"); s.erase(0, 1); s.erase(2); scamp5_in(A, s == "--"); s.replace(1, 1, "ZZ"); scamp5_in(A, s == "-ZZ"); s.resize(2); scamp5_in(A, s == "-Z"); s.resize(4, 'q'); scamp5_in(A, s == "-Zqq"); scamp5_in(A, (int)s.rfind("q")); scamp5_in(A, s.find('q', 3) == 3); scamp5_in(A, s.find("z") == std::string::npos); scamp5_in(A, s.compare("-A") > 0); scamp5_in(A, s.compare(s)); s.insert(s.begin(), '<'); s.insert(s.end(), 2, '>'); scamp5_in(A, s == "<-Zqq>>"); s.erase(s.begin() + 1); scamp5_in(A, s == "<Zqq>>"); s.assign("new"); scamp5_in(A, s == "new"); scamp5_in(A, (int)s.find_first_of("xw"));
+std::string t = "hello"; std::reverse(t.begin(), t.end()); scamp5_in(B, t == "olleh"); std::sort(t.begin(), t.end()); scamp5_in(B, t == "ehllo"); scamp5_in(B, std::count(t.begin(), t.end(), 'l')); scamp5_in(B, std::find(t.begin(), t.end(), 'o') - t.begin()); scamp5_in(B, std::find(t.begin(), t.end(), 'x') == t.end()); std::transform(t.begin(), t.end(), t.begin(), [](char c) { return c - 32; }); scamp5_in(B, t == "EHLLO"); t.erase(std::remove(t.begin(), t.end(), 'L'), t.end()); scamp5_in(B, t == "EHO"); scamp5_in(B, std::count_if(t.begin(), t.end(), [](char c) { return c > 'F'; })); int sum = 0; for (auto it = t.begin(); it != t.end(); ++it) sum += *it; scamp5_in(B, sum - 128);
+std::string a = "x-y-", b = "z"; for (auto it = a.begin(); it != a.end();) { if (*it == '-') it = a.erase(it); else ++it; } scamp5_in(C, a == "xy"); auto at = a.insert(a.begin() + 1, '+'); scamp5_in(C, *at); scamp5_in(C, a == "x+y"); a.swap(b); scamp5_in(C, a == "z" && b == "x+y"); auto more = [a](char c) { return a + c; }; scamp5_in(C, more('!') == "z!"); auto p = std::make_pair(std::string("k"), 2); scamp5_in(C, p.first + 'l' == "kl"); std::map<int, std::string> m; m[1] = "q"; m[1] += 'r'; scamp5_in(C, m[1] + 's' == "qrs"); std::vector<std::string> v = {"a"}, w(v.begin(), v.end()); w.insert(w.end(), v.begin(), v.end()); scamp5_in(C, w[1] == "a" && w[0] + 'b' == "ab"); scamp5_in(C, (a.empty() ? b : a) + '.' == "z.");
+char key[4] = "k", rows[2][4] = {"r", "st"}; std::map<std::string, int> keys = {{key, 2}}; keys[key]++; keys.insert({key, 9}); key[0] = 'z'; scamp5_in(D, keys["k"]); scamp5_in(D, (int)keys.size()); std::vector<std::string> names(rows, rows + 2); rows[1][0] = 'x'; scamp5_in(D, names[1] == "st"); scamp5_in(D, std::find(names.begin(), names.end(), "st") - names.begin()); std::vector<char> codes = {'u', 'v'}; scamp5_in(D, std::string(codes.begin(), codes.end()) == "uv");"#,
+        &[
+            1, 1, 98, 99, 88, 1, 1, 1, 1, 1, 3, 1, 1, 1, 0, 1, 1, 1, 2, 1, 1, 2, 4, 1, 1, 1, 2, 92,
+            1, 43, 1, 1, 1, 1, 1, 1, 1, 3, 1, 1, 1, 1,
+        ],
+    );
+}
+
+/// In lengths, in what members begin with, and behind the class; labels belong to a statement.
+#[test]
+fn classes_know_their_own_constants_and_types() {
+    numbers(
+        r"const int N = 9; class Tracker { public: static const int MAX = 4; uint8_t xy[MAX * 2]; int n = MAX + 1; }; struct F { enum class Mode : uint8_t { Off, On }; Mode m = Mode::On; enum { K = 4 }; int a[K]; std::array<int, K> b; static const int M = K * 2; int c[M]; static const int T[K]; int get(int k = M) { return k; } };
+const int F::T[K] = {1, 2, 3, M}; namespace cfg { struct G { static constexpr int N = 3; int a[N]; int b[N + 1][2]; int d = N; }; } enum class Dir : uint8_t { North, East }; enum Wide : uint16_t { LOW };
+struct Own { typedef uint8_t T; T v; using U = float; U w = 3; using L = std::vector<int>; L all; T half() { T x = v / 2 + 255; return x; } T twice(T x); }; Own::T Own::twice(T x) { T y = x + x; return y; } typedef float T;",
+        r"Tracker t; t.xy[7] = 3; scamp5_in(A, sizeof(t.xy)); scamp5_in(A, t.n); F f; scamp5_in(A, f.m == F::Mode::On); scamp5_in(A, sizeof(f.a) / 4); f.b[3] = 7; scamp5_in(A, f.b[3]); scamp5_in(A, sizeof(f.c) / 4); scamp5_in(A, F::M); scamp5_in(A, F::T[3]); scamp5_in(A, f.get()); cfg::G g; scamp5_in(A, sizeof(g.a) / 4); g.b[3][1] = 1; scamp5_in(A, sizeof(g.b) / 4); scamp5_in(A, g.d); scamp5_in(A, N);
+scamp5_in(B, sizeof(Dir)); scamp5_in(B, sizeof(Wide)); scamp5_in(B, sizeof(F::Mode)); Dir path[6]; scamp5_in(B, sizeof(path)); Own o; o.v = 300; scamp5_in(B, o.v); scamp5_in(B, (int)(o.w / 2 * 10)); o.all.push_back(4); scamp5_in(B, o.all[0]); scamp5_in(B, o.half()); scamp5_in(B, o.twice(130)); Own::T x = 257; scamp5_in(B, x); T y = 1.5f; scamp5_in(B, (int)(y * 2));
+int i = 0; while (i < 10) { if (i > 5) out: break; i++; } scamp5_in(C, i); if (i == 6) a: b: i = 8; scamp5_in(C, i); end: ; scamp5_in(C, 1);",
+        &[
+            8, 5, 1, 4, 7, 8, 8, 8, 8, 3, 8, 3, 9, 1, 2, 1, 6, 44, 15, 4, 21, 4, 1, 3, 6, 8, 1,
+        ],
+    );
+}
+
+/// What is not followed of a text is told, and does not fit is.
+#[test]
+fn what_texts_do_not_take_is_refused() {
+    for (inside, message, help) in [
+        (
+            "int k = 1;\nchar a[3] = \"abc\"; scamp5_in(A, a[0]);",
+            "4 characters with the 0 at the end, and there is room for 3",
+            "fewer",
+        ),
+        (
+            "std::string s = \"ab\";\ns.swap_ranges(1); scamp5_in(A, 1);",
+            "`s.swap_ranges` of the text \"ab\" is not followed",
+            "`substr`",
+        ),
+        (
+            "std::string s = \"ab\";\nscamp5_in(A, s.substr(5) == \"\");",
+            "`s.substr` of the text \"ab\" is not followed",
+            "no further than its end",
+        ),
+        (
+            "std::string s = \"ab\";\ns[7] = 'c'; scamp5_in(A, 1);",
+            "a character of the text \"ab\" that it does not have",
+            "one less than the length",
+        ),
+        (
+            "std::string s = \"ab\";\nstd::sort(s.begin() + 1, s.end()); scamp5_in(A, s == \"ab\");",
+            "`sort` over a part of a text is not followed",
+            "all of one text",
+        ),
+        (
+            "std::string s = \"ab\"; auto i = s.begin();\nstd::reverse(i, s.end()); auto j = s.end(); std::reverse(i, j); scamp5_in(A, 1);",
+            "`reverse` over a part of a text is not followed",
+            "all of one text",
+        ),
+    ] {
+        told(&format!("int main() {{ {inside} }}"), 2, message, help);
+    }
+    // What is not known is not taken for unlike.
+    told(
+        "char b[4]; int main() { b[0] = scamp5_global_or(R5); std::string s = \"a\";\nif (s == b) { mov(A, B); } }",
+        2,
+        "whether this kernel runs, the characters in `b` decides",
+        "",
+    );
+}
+
 /// What is not followed is told by its name.
 #[test]
 fn ends_that_are_seen_and_decltype_are_refused() {

@@ -44,6 +44,9 @@ impl Machine<'_> {
         if let Some(found) = self.added(name, given, place) {
             return found;
         }
+        if let Some(found) = self.over_text(name, given, place) {
+            return found;
+        }
         let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
         for value in &values {
             self.keeps_register(name, value, place);
@@ -72,6 +75,10 @@ impl Machine<'_> {
             _ => self.moved_about(name, &values),
         };
         found.unwrap_or_else(|| {
+            // Iterators of a text do not say which it is.
+            if moves(name) && matches!(values.first(), Some(Value::Text(_))) {
+                self.text_places(name, place);
+            }
             let mut may_write = values;
             may_write.retain(|it| !looks(name) || matches!(it, Value::Lambda(_)));
             self.written_by(name, &may_write);
@@ -285,6 +292,15 @@ impl Machine<'_> {
     fn looked(&self, name: &str, values: &[Value], kind: Kind) -> Option<Value> {
         let range = self.range(values.first()?, values.get(1)?)?;
         let all = self.values_of(&range);
+        if let ("count" | "find", Some(wanted @ Value::Text(_))) = (name, values.get(2)) {
+            let orders = all.iter().map(|it| it.order(wanted));
+            let same: Vec<bool> = orders.map(|it| Some(it?.is_eq())).collect::<Option<_>>()?;
+            let first = same.iter().position(|it| *it);
+            return Some(match name {
+                "find" => range.pointer(first.unwrap_or(range.length)),
+                _ => Value::Whole(same.iter().filter(|it| **it).count() as i64),
+            });
+        }
         let numbers: Vec<f64> = all.iter().map(Value::number).collect::<Option<_>>()?;
         let wanted = values.get(2).map(Value::number);
         match (name, wanted) {
@@ -457,6 +473,28 @@ fn looks(name: &str) -> bool {
             | "distance"
             | "next"
             | "prev"
+    )
+}
+
+/// Whether an algorithm changes the elements that it is given first.
+fn moves(name: &str) -> bool {
+    matches!(
+        name,
+        "sort"
+            | "stable_sort"
+            | "reverse"
+            | "rotate"
+            | "fill"
+            | "fill_n"
+            | "generate"
+            | "iota"
+            | "iter_swap"
+            | "replace"
+            | "remove"
+            | "remove_if"
+            | "unique"
+            | "transform"
+            | "for_each"
     )
 }
 

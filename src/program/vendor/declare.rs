@@ -3,14 +3,14 @@
 use std::rc::Rc;
 
 use super::{
-    call::kernel,
+    call::{Named, kernel},
     layout::{Layout, Member},
     look,
     machine::{Location, Machine},
     parse::{REFERS, ended},
     reach::Reach,
     shape::{self, Leaf},
-    tree::{Declared, Expr, ExprNode, Function, Kind, Struct, Word, last},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Struct, Word, last, qualifier},
     value::{Slot, Value, unassigned},
     why::Why,
 };
@@ -180,7 +180,7 @@ impl Machine<'_> {
                 }
                 Some(argument.value)
             }
-            Some(value) => Some(self.value(value)),
+            Some(value) => Some(self.within(it, |inner| inner.value(value))),
             None => None,
         };
         self.naming = None;
@@ -239,7 +239,7 @@ impl Machine<'_> {
         match self.layouts.get(&it.of) {
             None if last(&it.of) == kernel::CLASS && !it.pointer => Self::empty_kernel(it.place),
             Some(layout) if !it.pointer => shape::fresh(layout, &empty),
-            _ if last(&it.of) == "string" && !it.pointer => Value::Text("".into()),
+            _ if self.is_string(&it.of) && !it.pointer => Value::Text("".into()),
             _ => empty,
         }
     }
@@ -286,7 +286,10 @@ impl Machine<'_> {
         }
         match &it.value {
             Some(value) if &*it.of == "auto" => {
-                let named = self.type_name(value, self.lies(value).as_ref());
+                let named = match self.gives_string(value) {
+                    Some(true) => Named::Of("string".into()),
+                    _ => self.type_name(value, self.lies(value).as_ref()),
+                };
                 self.name_type(slot, &named);
             }
             _ if !it.pointer && !it.of.is_empty() => {
@@ -520,15 +523,19 @@ impl Machine<'_> {
         let value = match value {
             // An array of the language's library is copied.
             Value::Pointer(slot, path, _) if it.library => self.at(slot, &path),
-            value => self.spelled(it, value),
+            // Pointers go over a constant text as it stands, where it is as long as its array.
+            Value::Text(text) if it.constant && fills(&text, &lengths) => return Value::Text(text),
+            value => value,
         };
         let layout = self.layouts.get(&it.of).filter(|_| !it.pointer).cloned();
+        let value = self.with_keys(value, layout.as_deref());
         let leaf = Leaf {
             kind: self.resolved(it.kind),
             layout: layout.as_ref(),
             library: it.library,
+            text: self.is_string(&it.of) && !it.pointer,
         };
-        shape::shaped(value, &lengths, leaf).unwrap_or_else(|message| {
+        let made = shape::shaped(value, &lengths, leaf).unwrap_or_else(|message| {
             self.error(
                 it.place,
                 format!("`{}`: {message}", it.name),
@@ -536,7 +543,8 @@ impl Machine<'_> {
                 "give as many values as it holds, or fewer",
             );
             Value::Whole(0)
-        })
+        });
+        self.with_texts(made, leaf.text)
     }
 
     /// A class is defined.
@@ -564,27 +572,10 @@ impl Machine<'_> {
             return;
         }
         let mut members = base.as_ref().map_or_else(Vec::new, |it| it.members.clone());
-        for member in &it.members {
-            let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
-            let layout = layout.cloned();
-            let lengths = self.lengths(member);
-            let text = last(&member.of) == "string" && member.lengths.is_empty();
-            let text = (text && !member.pointer).then(|| Value::Text("".into()));
-            let initial = member.value.as_ref().map(|value| self.value(value));
-            let (lengths, initial) = match lengths {
-                Ok(lengths) => (lengths, initial.or(text)),
-                Err(why) => (Vec::new(), Some(Value::Unknown(why))),
-            };
-            members.push(Member {
-                name: member.name.clone(),
-                kind: member.kind,
-                leads: member.pointer || member.reference,
-                library: member.library,
-                default: initial.map(|value| self.shaped(member, value)),
-                lengths,
-                layout,
-            });
-        }
+        // They know the constants of their class.
+        let outer = std::mem::replace(&mut self.space, it.space.clone());
+        members.extend(it.members.iter().map(|it| self.member_of(it)));
+        self.space = outer;
         let values = shape::values(&members);
         if !self.fits(values, place) {
             self.layouts.remove(&it.name);
@@ -611,6 +602,44 @@ impl Machine<'_> {
         self.refuse_ends(&it.functions);
     }
 
+    /// A member of a class, as it is declared.
+    fn member_of(&mut self, it: &Declared) -> Member {
+        let layout = self.layouts.get(&it.of).filter(|_| !it.pointer).cloned();
+        let lengths = self.lengths(it);
+        let text = self.is_string(&it.of) && !it.pointer;
+        let empty = (text && it.lengths.is_empty()).then(|| Value::Text("".into()));
+        let initial = it.value.as_ref().map(|value| self.value(value));
+        let (lengths, initial) = match lengths {
+            Ok(lengths) => (lengths, initial.or(empty)),
+            Err(why) => (Vec::new(), Some(Value::Unknown(why))),
+        };
+        Member {
+            name: it.name.clone(),
+            kind: it.kind,
+            leads: it.pointer || it.reference,
+            library: it.library,
+            text,
+            default: initial.map(|value| self.shaped(it, value)),
+            lengths,
+            layout,
+        }
+    }
+
+    /// Works in the class that the name of a variable begins with: what its objects share.
+    fn within<T>(&mut self, it: &Declared, act: impl FnOnce(&mut Self) -> T) -> T {
+        let Some(class) = qualifier(&it.name) else {
+            return act(self);
+        };
+        let space = match &*self.space {
+            "" => class.into(),
+            outer => format!("{outer}::{class}").into(),
+        };
+        let outer = std::mem::replace(&mut self.space, space);
+        let made = act(self);
+        self.space = outer;
+        made
+    }
+
     /// The lengths of an array; none is known where it is too large. `Err` says what decides on one
     /// that is not known.
     fn lengths(&mut self, it: &Declared) -> Result<Vec<Option<usize>>, Why> {
@@ -620,7 +649,7 @@ impl Machine<'_> {
                 lengths.push(None);
                 continue;
             };
-            let value = match self.value(length) {
+            let value = match self.within(it, |inner| inner.value(length)) {
                 Value::Symbol(name) => self.unheard(&name, length.place),
                 value => value,
             };
@@ -644,6 +673,14 @@ impl Machine<'_> {
             lengths.fill(None);
         }
         Ok(lengths)
+    }
+}
+
+/// Whether a text is as long as its array, with the 0 at its end.
+fn fills(text: &str, lengths: &[Option<usize>]) -> bool {
+    match lengths {
+        [length] => length.is_none_or(|it| it == text.len() + 1),
+        _ => false,
     }
 }
 

@@ -12,7 +12,6 @@ use super::{
     reach::{Reach, base_name},
     scope::foreign,
     shape,
-    text::character,
     tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
     value::{Slot, Value, unassigned},
     walk::tied,
@@ -273,6 +272,9 @@ impl Machine<'_> {
             return (self.tie(members, value, place), None);
         }
         let argument = self.argument(value);
+        if let Some(value) = self.character_set(operator, to, &argument.value, place) {
+            return (value, None);
+        }
         // Where it lies is found once: that may have effects of its own.
         let reached = self.reach(to);
         if let Some(Value::Record(..)) = self.reached(&reached) {
@@ -281,8 +283,12 @@ impl Machine<'_> {
         let mut value = argument.value;
         if let Some(operator) = operator {
             let before = self.load(&reached, to);
-            if self.appends(operator, (&before, to), argument.kind) {
-                value = character(&value);
+            let text = operator == "+" && matches!(before, Value::Text(_));
+            let character = argument.kind == Kind::CHARACTER;
+            match self.gives_string(to) {
+                Some(true) if text => value = self.string_of(value),
+                None if text && character => value = self.string_of(value),
+                _ => {}
             }
             let after = self.arithmetic(operator, &before, &value);
             value = self.or_fault(after, place);
@@ -631,7 +637,11 @@ impl Machine<'_> {
         };
         let (value, kind) = (self.at(from, &path), self.kind_at(from, &path));
         let whole = self.copied.contains(&from);
+        let text = self.string_at(from, &path);
         let copy = self.hold(value, kind);
+        if text {
+            self.classes.insert(copy, "string".into());
+        }
         if whole {
             self.copied.insert(copy);
         }

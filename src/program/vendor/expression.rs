@@ -404,8 +404,10 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             place: place.to(it.before()),
         });
     }
-    if it.classes.contains(&name) && it.sees("{") {
-        let given = given_in(braces(it)?);
+    let text = std && &*name == "string";
+    if (text || it.classes.contains(&name)) && it.sees("{") {
+        let of = braces(it)?;
+        let given = if text { vec![of] } else { given_in(of) };
         return Ok(Expr::made(&full, given, place.to(it.before())));
     }
     let node = match &*name {
@@ -536,16 +538,19 @@ fn chosen(it: &mut Parser<'_>, name: &str, place: Place) -> Parsed<Expr> {
 /// `sizeof(type)`, `sizeof value`.
 fn size_of(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
     let start = it.at;
-    if it.take("(")
-        && (it.kind_named(it.word(0)) != Kind::Any
-            || matches!(it.word(0), "unsigned" | "signed" | "const"))
+    let open = it.take("(");
+    let plain = it.kind_named(it.word(0)) != Kind::Any
+        || matches!(it.word(0), "unsigned" | "signed" | "const");
+    if open
         && let Some(found) = it.read_type()
+        && let enumeration = it.enumeration_kind(&found.class())
+        && (plain || enumeration.is_some())
         && it.take(")")
     {
-        let kind = if found.pointer {
-            Kind::Bits(64, false)
-        } else {
-            found.kind
+        let kind = match (found.pointer, found.kind) {
+            (true, _) => Kind::Bits(64, false),
+            (false, Kind::Any) => enumeration.unwrap_or(Kind::Any),
+            (false, kind) => kind,
         };
         let place = place.to(it.before());
         let zero = Box::new(Expr {

@@ -6,7 +6,7 @@ use super::{
     chip,
     host::{self, Role, vendors},
     machine::Machine,
-    tree::{Expr, ExprNode, Function, Kernel, Stmt, StmtNode, last},
+    tree::{Declared, Expr, ExprNode, Function, Kernel, Kind, Stmt, StmtNode, last},
     walk::{Part, values, walk},
 };
 use crate::config::{Fault, Place};
@@ -41,8 +41,14 @@ pub(super) fn tell(machine: &mut Machine<'_>, statements: &[Stmt]) {
         found.statement(statement, &Waits::default());
     }
     let Found {
-        kernels, declared, ..
+        kernels,
+        declared,
+        variables,
     } = found;
+    let settable: BTreeSet<&str> = { variables.iter() }
+        .filter(|it| takes_number(machine, it))
+        .map(|it| &*it.name)
+        .collect();
     let idle = { kernels.into_iter() }.filter(|(kernel, _)| !machine.ran.contains(&key(kernel)));
     let idle: Vec<_> = idle.collect();
     for (kernel, _) in &idle {
@@ -50,7 +56,7 @@ pub(super) fn tell(machine: &mut Machine<'_>, statements: &[Stmt]) {
             check(machine, statement, &declared);
         }
     }
-    list(machine, &idle, &declared);
+    list(machine, &idle, &settable);
 }
 
 /// Which kernel it is.
@@ -58,8 +64,18 @@ pub(super) const fn key(it: &Kernel) -> (usize, usize) {
     (it.begin.start, it.ordinal)
 }
 
+/// Whether a number can be set from outside for what is declared so: for one number with a name.
+fn takes_number(machine: &Machine<'_>, it: &Declared) -> bool {
+    let number = !matches!(it.kind, Kind::Analog | Kind::Digital);
+    let object = it.kind == Kind::Any
+        && (machine.is_string(&it.of)
+            || machine.layouts.contains_key(&it.of)
+            || machine.unread.contains_key(&it.of));
+    number && !object && it.lengths.is_empty() && !it.pointer && !it.reference
+}
+
 /// Lists kernels that did not run. What a header has that this program does not call is no matter.
-fn list(machine: &mut Machine<'_>, idle: &[(&Kernel, Waits<'_>)], declared: &BTreeSet<&str>) {
+fn list(machine: &mut Machine<'_>, idle: &[(&Kernel, Waits<'_>)], variables: &BTreeSet<&str>) {
     let told = idle.iter().filter(|(kernel, waits)| {
         let own = machine.files.name(kernel.begin).is_none();
         own || uncalled(machine, waits).is_none()
@@ -71,7 +87,7 @@ fn list(machine: &mut Machine<'_>, idle: &[(&Kernel, Waits<'_>)], declared: &BTr
     let mut lines: Vec<String> = Vec::new();
     for (kernel, waits) in &told {
         let mut line = machine.line(kernel.begin);
-        if let Some(way) = way(machine, waits, declared) {
+        if let Some(way) = way(machine, waits, variables) {
             let _ = write!(line, " ({way})");
         }
         if !lines.contains(&line) {
@@ -99,7 +115,7 @@ fn uncalled<'a>(machine: &Machine<'_>, waits: &Waits<'a>) -> Option<&'a Function
 }
 
 /// What would run a kernel.
-fn way(machine: &Machine<'_>, waits: &Waits<'_>, declared: &BTreeSet<&str>) -> Option<String> {
+fn way(machine: &Machine<'_>, waits: &Waits<'_>, variables: &BTreeSet<&str>) -> Option<String> {
     if waits.callback {
         return Some("when somebody acts at the GUI".to_owned());
     }
@@ -110,19 +126,28 @@ fn way(machine: &Machine<'_>, waits: &Waits<'_>, declared: &BTreeSet<&str>) -> O
         });
     }
     let mut conditions = waits.conditions.iter().rev();
-    let set = conditions.find_map(|(of, holds)| settable(of, *holds, declared));
+    let set = conditions.find_map(|(of, holds)| settable((of, *holds), waits.function, variables));
     match set {
-        Some(set) => Some(format!("`--const {set}`")),
+        Some(set) => Some(set),
         None if waits.conditions.is_empty() => None,
         None => Some("behind a condition".to_owned()),
     }
 }
 
-/// The variable of a condition that can be set from outside, with a value.
-fn settable(of: &Expr, holds: bool, declared: &BTreeSet<&str>) -> Option<String> {
+/// What would make a condition hold: a variable that can be set from outside, with a value, or
+/// what the function is called with.
+fn settable(
+    (of, holds): (&Expr, bool),
+    function: Option<&Function>,
+    variables: &BTreeSet<&str>,
+) -> Option<String> {
     let (of, holds) = match &of.node {
         ExprNode::Unary("!", of) => (&**of, !holds),
         _ => (of, holds),
+    };
+    let parameter = |name: &str| {
+        let all = function.map_or(&[][..], |it| &it.parameters);
+        all.iter().any(|it| &*it.name == name)
     };
     let mut found = None;
     values(of, &mut |part| {
@@ -130,15 +155,19 @@ fn settable(of: &Expr, holds: bool, declared: &BTreeSet<&str>) -> Option<String>
             node: ExprNode::Name(name),
             ..
         }) = part
-            && declared.contains(last(name))
+            && (parameter(last(name)) || variables.contains(last(name)))
         {
             found.get_or_insert_with(|| last(name).to_owned());
         }
     });
     let name = found?;
-    Some(match &of.node {
-        ExprNode::Name(_) => format!("{name}={}", i32::from(holds)),
-        _ => format!("{name}=VALUE"),
+    Some(match (&of.node, function) {
+        (_, Some(it)) if parameter(&name) => match &*it.name {
+            "" => format!("by a call with another `{name}`"),
+            function => format!("by a call of `{function}` with another `{name}`"),
+        },
+        (ExprNode::Name(_), _) => format!("`--const {name}={}`", i32::from(holds)),
+        _ => format!("`--const {name}=VALUE`"),
     })
 }
 
@@ -206,6 +235,8 @@ struct Found<'a> {
     kernels: Vec<(&'a Kernel, Waits<'a>)>,
     /// Names of variables and parameters, wherever they are declared.
     declared: BTreeSet<&'a str>,
+    /// Variables that are declared by themselves.
+    variables: Vec<&'a Declared>,
 }
 
 impl<'a> Found<'a> {
@@ -248,6 +279,7 @@ impl<'a> Found<'a> {
             StmtNode::Declare(all) => {
                 for it in all {
                     self.declared.insert(&it.name);
+                    self.variables.push(it);
                     if let Some(value) = &it.value {
                         self.value(value, waits);
                     }

@@ -33,6 +33,8 @@ pub(super) struct Member {
     pub leads: bool,
     /// Whether it is an array of the language's library.
     pub library: bool,
+    /// Whether it is a text of the language's library, or an array of those.
+    pub text: bool,
     /// The class of the member itself.
     pub layout: Option<Rc<Layout>>,
     /// What it begins with, where its declaration says so.
@@ -51,6 +53,7 @@ impl Layout {
             lengths: Vec::new(),
             leads: false,
             library: false,
+            text: false,
             layout: None,
             default: None,
         });

@@ -344,7 +344,8 @@ pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
             ExprNode::Name(name) if !objects.contains(&own.place) => name,
             _ => return,
         };
-        let slot = machine.find(name);
+        // Nor are texts.
+        let slot = machine.find(name).filter(|it| !machine.string_at(*it, &[]));
         if found.is_none()
             && slot.is_some_and(|slot| matches!(machine.slots[slot], Value::Unknown(_)))
         {

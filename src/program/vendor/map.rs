@@ -44,9 +44,12 @@ impl Machine<'_> {
     }
 
     /// A key as the map holds it.
-    fn key(entry: &Layout, key: Value) -> Value {
-        let kind = entry.members.first().map_or(Kind::Any, |it| it.kind);
-        key.converted(kind)
+    fn key(&self, entry: &Layout, key: Value) -> Value {
+        match entry.members.first() {
+            Some(it) if it.text => self.string_of(key),
+            Some(it) => key.converted(it.kind),
+            None => key,
+        }
     }
 
     /// `map[key]`: the element is made where there is none.
@@ -57,7 +60,7 @@ impl Machine<'_> {
         key: Value,
         place: Place,
     ) -> Reach {
-        let key = Self::key(entry, key);
+        let key = self.key(entry, key);
         let Reach::Location(slot, path) = base else {
             return Reach::Value(Value::Unknown("an element of a map".into()));
         };
@@ -155,11 +158,13 @@ impl Machine<'_> {
             }
             ("insert", [it]) => {
                 let it = shape::object(it.clone(), entry).ok()?;
+                let it = self.with_texts(it, false);
                 return self.inserted((location, false), it, place);
             }
             ("emplace" | "try_emplace" | "insert_or_assign", [key, value]) => {
                 let pair = vec![key.clone(), value.clone()];
                 let it = shape::record(entry, pair).ok()?;
+                let it = self.with_texts(it, false);
                 let again = member == "insert_or_assign";
                 return self.inserted((location, again), it, place);
             }
@@ -172,7 +177,7 @@ impl Machine<'_> {
         let ([key], "at" | "count" | "find" | "contains" | "erase") = (&values[..], member) else {
             return None;
         };
-        let key = Self::key(entry, key.clone());
+        let key = self.key(entry, key.clone());
         let found = match self.place_of(location, &key) {
             Ok(found) => found,
             Err(why) => {

@@ -58,6 +58,7 @@ mod recorded;
 mod run;
 mod scope;
 mod shape;
+mod string;
 mod text;
 mod token;
 mod tree;

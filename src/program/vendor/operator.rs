@@ -384,7 +384,10 @@ impl Machine<'_> {
             };
             (name, it.kind)
         });
-        let layout = Layout::of_values(if pair { "pair" } else { "tuple" }, names.collect());
+        let mut layout = Layout::of_values(if pair { "pair" } else { "tuple" }, names.collect());
+        for (member, it) in layout.members.iter_mut().zip(given) {
+            member.text = self.gives_string(it) == Some(true);
+        }
         let values = all.into_iter().map(|it| it.value);
         Value::Record(layout.into(), values.collect())
     }

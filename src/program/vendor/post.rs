@@ -6,6 +6,7 @@ use super::{
     machine::Machine,
     tree::{Kind, Width},
     value::Value,
+    why::Why,
 };
 use crate::config::Place;
 
@@ -19,6 +20,14 @@ impl Machine<'_> {
             self.unshown.insert(place.start);
         }
         let values: Vec<Value> = values.iter().map(|it| self.as_text(it)).collect();
+        let unknown: Option<Why> = match values.first() {
+            Some(Value::Unknown(why)) => Some(why.clone()),
+            Some(Value::Pointer(_, _, name)) => Some(format!("the text in `{name}`").into()),
+            _ => None,
+        };
+        if let (Some(why), Some(_)) = (unknown, &self.companion) {
+            self.unread(place, "what is posted", &why);
+        }
         let (Some(companion), Some((Value::Text(format), values))) =
             (self.companion.as_mut(), values.split_first())
         else {

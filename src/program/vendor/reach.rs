@@ -476,7 +476,7 @@ impl Machine<'_> {
     /// A value as the variable that it goes to holds it.
     fn fitted(&self, slot: Slot, path: &[usize], value: Value) -> Value {
         let object = |it: &Value| matches!(it, Value::List(_) | Value::Record(..));
-        let before = self.peek(slot, path);
+        let (before, text) = (self.peek(slot, path), self.string_at(slot, path));
         let mut kind = self.kind_at(slot, path);
         if kind == Kind::Any {
             // `auto`: of the type that it began with.
@@ -487,8 +487,14 @@ impl Machine<'_> {
             (Some(Value::List(_)), Value::Pointer(from, path, _)) => self.at(from, &path),
             (Some(Value::Record(layout, _)), value) if object(&value) => {
                 let made = shape::object(value, layout);
-                made.unwrap_or_else(|why| Value::Unknown(Why::never(&why)))
+                let made = made.unwrap_or_else(|why| Value::Unknown(Why::never(&why)));
+                self.with_texts(made, false)
             }
+            (Some(Value::List(_)), value) if text => self.with_texts(value, true),
+            (_, value @ Value::List(_)) if text && self.is_library(slot, path) => {
+                self.with_texts(value, true)
+            }
+            (_, value) if text => self.string_of(value),
             (_, value) => shape::deep(value, kind),
         }
     }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::{
     look,
-    machine::{Flow, Machine},
+    machine::{Flow, Location, Machine},
     reach::Reach,
     tree::{Declared, Expr, Function, Kind, Stmt, StmtNode},
     value::Value,
@@ -321,7 +321,12 @@ impl Machine<'_> {
                         Kind::Any if !it.pointer => of,
                         kind => kind,
                     };
-                    self.make(&it.name, value.converted(kind), kind);
+                    let value = value.converted(kind);
+                    let element = { location.as_ref() }.map(|(slot, path)| {
+                        let at = places.as_ref().map_or(i, |it| it[i]);
+                        (*slot, [&path[..], &[at]].concat())
+                    });
+                    self.make_each(it, (value, element), kind);
                 }
             }
             let flow = self.scoped(body);
@@ -337,6 +342,30 @@ impl Machine<'_> {
 }
 
 impl Machine<'_> {
+    /// The variable of a loop over elements: one of them.
+    fn make_each(
+        &mut self,
+        it: &Declared,
+        (value, element): (Value, Option<Location>),
+        kind: Kind,
+    ) {
+        let plain = !it.pointer && self.is_string(&it.of);
+        let text = { element.as_ref() }.is_some_and(|(slot, path)| self.string_at(*slot, path));
+        let value = match (value, element) {
+            // A row of characters.
+            (Value::List(_), Some((slot, path))) if plain => {
+                let path = [&path[..], &[0]].concat();
+                self.string_of(Value::Pointer(slot, path, it.name.clone()))
+            }
+            (value, _) if plain => self.string_of(value),
+            (value, _) => value,
+        };
+        let slot = self.make(&it.name, value, kind);
+        if plain || text && &*it.of == "auto" {
+            self.classes.insert(slot, "string".into());
+        }
+    }
+
     /// Tells of characters that a loop could assign to.
     fn changes_text(&mut self, place: Place) {
         self.error(

@@ -17,6 +17,24 @@ pub(super) struct Leaf<'a> {
     pub layout: Option<&'a Rc<Layout>>,
     /// Whether the array is one of the language's library.
     pub library: bool,
+    /// Whether it is a text of the language's library.
+    pub text: bool,
+}
+
+impl Leaf<'_> {
+    /// What an element begins with that nothing is said of.
+    fn empty(&self) -> Value {
+        if self.text {
+            Value::Text("".into())
+        } else {
+            Value::Whole(0)
+        }
+    }
+
+    /// Whether an array of these lengths holds the characters of one text.
+    fn spells(&self, lengths: &[Option<usize>]) -> bool {
+        lengths.len() == 1 && matches!(self.kind, Kind::Bits(8, _)) && self.layout.is_none()
+    }
 }
 
 /// A value in an array of these lengths. `Err` says what does not fit.
@@ -56,8 +74,45 @@ pub(super) fn shaped(
                 ))
             }
         }
+        Value::Text(text) if leaf.spells(lengths) => row(&text, lengths[0], leaf.kind),
         other => Ok(other),
     }
+}
+
+/// The characters of a text in an array: behind them a 0, and more of those up to its length.
+fn row(text: &str, length: Option<usize>, kind: Kind) -> Result<Value, String> {
+    let codes = text.bytes().chain([0]);
+    let mut codes: Vec<Value> = codes.map(|it| Value::Whole(it.into())).collect();
+    if let Some(length) = length {
+        if codes.len() > length {
+            let wants = crate::unit::counted(codes.len(), "character");
+            return Err(format!(
+                "{wants} with the 0 at the end, and there is room for {length}"
+            ));
+        }
+        codes.resize(length, Value::Whole(0));
+    }
+    Ok(deep(Value::List(codes), kind))
+}
+
+/// What a text of the language's library is made of, in braces: another one, or its characters.
+pub(super) fn text(value: Value) -> Value {
+    let Value::List(mut all) = value else {
+        return value;
+    };
+    if let ([only], Some(last)) = (&all[..], all.last().cloned())
+        && only.number().is_none()
+    {
+        all.clear();
+        return text(last);
+    }
+    let code = |it: &Value| u8::try_from(it.whole()?).ok();
+    let bytes: Option<Vec<u8>> = all.iter().map(code).collect();
+    let made = bytes.and_then(|it| String::from_utf8(it).ok());
+    made.map_or_else(
+        || Value::Unknown("a text".into()),
+        |it| Value::Text(it.into()),
+    )
 }
 
 /// Takes what an array holds from a list; inner braces may be left out.
@@ -70,9 +125,16 @@ fn array(
         let plain = matches!(rest.front(), Some(Value::List(_) | Value::Record(..)));
         return match (leaf.layout, plain) {
             (Some(layout), false) => members(layout, rest),
-            _ => single(rest.pop_front().unwrap_or(Value::Whole(0)), leaf),
+            _ => single(rest.pop_front().unwrap_or_else(|| leaf.empty()), leaf),
         };
     };
+    if leaf.spells(lengths)
+        && let Some(Value::Text(text)) = rest.front()
+    {
+        let made = row(text, *length, leaf.kind)?;
+        rest.pop_front();
+        return Ok(made);
+    }
     let mut all = Vec::new();
     while length.map_or(!rest.is_empty(), |length| all.len() < length) {
         let braces = !inner.is_empty() && matches!(rest.front(), Some(Value::List(_)));
@@ -93,6 +155,7 @@ fn array(
 fn single(value: Value, leaf: Leaf<'_>) -> Result<Value, String> {
     match (value, leaf.layout) {
         (value, Some(layout)) => object(value, layout),
+        (value, None) if leaf.text => Ok(text(value)),
         (Value::List(all), None) if leaf.kind != Kind::Any => {
             if all.len() > 1 {
                 return Err(format!("{} values for one variable", all.len()));
@@ -208,6 +271,7 @@ impl Member {
             kind: self.kind,
             layout: self.layout.as_ref(),
             library: false,
+            text: self.text,
         }
     }
 }
@@ -224,6 +288,7 @@ pub(super) fn fresh(layout: &Rc<Layout>, empty: &Value) -> Value {
         let one = match (&member.default, &member.layout) {
             (Some(default), _) => return default.clone(),
             (None, Some(layout)) => fresh(layout, empty),
+            (None, None) if member.text => Value::Text("".into()),
             (None, None) => empty.clone(),
         };
         let nested = member.lengths.iter().rev();

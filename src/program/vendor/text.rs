@@ -3,7 +3,7 @@
 
 use super::{
     machine::Machine,
-    tree::{Declared, Expr, ExprNode, Kind, Width, last},
+    tree::{Expr, ExprNode, Kind, Width},
     value::Value,
 };
 use crate::config::Place;
@@ -35,19 +35,6 @@ impl Machine<'_> {
     pub(super) fn as_text(&self, value: &Value) -> Value {
         let text = self.text_of(value);
         text.map_or_else(|| value.clone(), |it| Value::Text(it.into()))
-    }
-
-    /// A text in what is declared: an array of characters has them one by one.
-    pub(super) fn spelled(&self, it: &Declared, value: Value) -> Value {
-        let array = it.lengths.len() == 1 && matches!(it.kind, Kind::Bits(8, _));
-        match &value {
-            Value::Text(text) if array && !it.pointer && !it.library && !it.constant => {
-                let codes = text.bytes().chain([0]);
-                Value::List(codes.map(|it| Value::Whole(i64::from(it))).collect())
-            }
-            Value::Pointer(..) if last(&it.of) == "string" && !it.pointer => self.as_text(&value),
-            _ => value,
-        }
     }
 
     /// Writes characters to where a pointer leads, and tells where they have no room; nothing where
@@ -96,11 +83,16 @@ impl Machine<'_> {
             }
             "strchr" => {
                 let (text, code) = (text(self, 0)?, u8::try_from(number(1)?).ok()?);
-                if !matches!(given[0], Value::Text(_)) || code == 0 {
+                if code == 0 {
                     return None;
                 }
-                let at = text.bytes().position(|it| it == code);
-                at.map_or(Value::Whole(0), |at| Value::Text(text[at..].into()))
+                match (text.bytes().position(|it| it == code), &given[0]) {
+                    (None, _) => Value::Whole(0),
+                    (Some(at), Value::Text(_)) => Value::Text(text[at..].into()),
+                    (Some(at), array) => {
+                        Value::binary("+", array, &Value::Whole(at as i64)).ok()?
+                    }
+                }
             }
             "strcpy" => {
                 let from = text(self, 1)?;
@@ -194,51 +186,34 @@ pub(super) fn character(value: &Value) -> Value {
 }
 
 impl Machine<'_> {
-    /// Whether a text is one of the language's library, which a character is added to: behind a
-    /// pointer, numbers lead further.
-    fn is_string(&self, it: &Expr) -> bool {
-        match &it.node {
-            ExprNode::Name(name) => {
-                let slot = self.named_location(name).map(|it| it.0);
-                let class = slot.and_then(|it| self.classes.get(&it));
-                class.is_some_and(|it| last(it) == "string")
-            }
-            ExprNode::Call(..) | ExprNode::Member(..) => true,
-            ExprNode::Binary("+", a, b) => self.is_string(a) || self.is_string(b),
-            _ => false,
-        }
-    }
-
-    /// Whether `text += character` adds that character.
-    pub(super) fn appends(
-        &self,
-        operator: &str,
-        (before, to): (&Value, &Expr),
-        kind: Kind,
-    ) -> bool {
-        let text = matches!(before, Value::Text(_));
-        operator == "+" && text && kind == Kind::CHARACTER && self.is_string(to)
-    }
-
-    /// `text + character`, `character + text`: both as texts.
+    /// Texts of the language's library under an operator, with what they are joined to or compared
+    /// with as texts: characters, and arrays of them. Behind a pointer, numbers lead further.
     pub(super) fn joined(
         &self,
         operator: &str,
         (a, left): (Value, &Expr),
         (b, right): (Value, &Expr),
     ) -> (Value, Value) {
-        let one = |it: &Expr| self.kind_of(it) == Kind::CHARACTER;
+        const COMPARES: [&str; 6] = ["==", "!=", "<", ">", "<=", ">="];
+        let adds = |text: &Expr, code: &Expr| {
+            let is_string = self.gives_string(text);
+            operator == "+"
+                && (is_string == Some(true)
+                    || is_string.is_none() && self.kind_of(code) == Kind::CHARACTER)
+        };
         match (&a, &b) {
-            (Value::Text(_), Value::Whole(_))
-                if self.appends(operator, (&a, left), self.kind_of(right)) =>
-            {
+            (Value::Text(_), Value::Whole(_)) if adds(left, right) => {
                 let b = character(&b);
                 (a, b)
             }
-            (Value::Whole(_), Value::Text(_))
-                if operator == "+" && one(left) && self.is_string(right) =>
+            (Value::Whole(_), Value::Text(_)) if adds(right, left) => (character(&a), b),
+            (Value::Text(_), Value::Pointer(..)) | (Value::Pointer(..), Value::Text(_))
+                if (operator == "+" || COMPARES.contains(&operator))
+                    && [left, right]
+                        .iter()
+                        .any(|it| self.gives_string(it) != Some(false)) =>
             {
-                (character(&a), b)
+                (self.string_of(a), self.string_of(b))
             }
             _ => (a, b),
         }

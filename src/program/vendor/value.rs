@@ -375,6 +375,11 @@ impl Value {
             (Whole(_) | Wide(..), Pointer(..)) if operator == "+" => {
                 Self::binary(operator, right, left)?
             }
+            (Self::Text(_), Self::Text(_)) | (Self::List(_), Self::List(_))
+                if left.compared(operator, right).is_some() =>
+            {
+                left.compared(operator, right).unwrap_or(Whole(0))
+            }
             _ if matches!(operator, "==" | "!=") => {
                 Self::flag((left == right) == (operator == "=="))
             }
@@ -402,11 +407,40 @@ impl Value {
         })
     }
 
-    /// Which of two numbers, texts or pairs comes first; nothing where that is not known.
+    /// Two texts or arrays of the language's library under an operator that compares; nothing
+    /// under another one, or where they hold what has no order.
+    fn compared(&self, operator: &str, other: &Self) -> Option<Self> {
+        let holds = match operator {
+            "==" => Ordering::is_eq,
+            "!=" => Ordering::is_ne,
+            "<" => Ordering::is_lt,
+            ">" => Ordering::is_gt,
+            "<=" => Ordering::is_le,
+            ">=" => Ordering::is_ge,
+            _ => return None,
+        };
+        if let Some(order) = self.order(other) {
+            return Some(Self::flag(holds(order)));
+        }
+        let unknown = self.unknown().or_else(|| other.unknown());
+        unknown.map(|why| Self::Unknown(why.clone()))
+    }
+
+    /// Why something in it is not known.
+    fn unknown(&self) -> Option<&Why> {
+        match self {
+            Self::Unknown(why) => Some(why),
+            Self::List(all) | Self::Record(_, all) => all.iter().find_map(Self::unknown),
+            _ => None,
+        }
+    }
+
+    /// Which of two numbers, texts, pairs or arrays comes first; nothing where that is not known.
     pub(super) fn order(&self, other: &Self) -> Option<Ordering> {
         match (self, other) {
             (Self::Text(a), Self::Text(b)) => Some(a.as_bytes().cmp(b.as_bytes())),
-            (Self::Record(_, one), Self::Record(_, other)) => {
+            (Self::Record(_, one), Self::Record(_, other))
+            | (Self::List(one), Self::List(other)) => {
                 for (a, b) in one.iter().zip(other) {
                     let order = a.order(b)?;
                     if order.is_ne() {

@@ -182,14 +182,18 @@ impl Machine<'_> {
             Some(layout) => shape::element(value, Some(layout)),
             None => value,
         };
-        match value {
+        if self.is_string(&function.gives) {
+            return self.string_of(value);
+        }
+        let value = match value {
             Value::List(all) if self.layouts.contains_key(&function.element) => Value::List(
                 { all.into_iter() }
                     .map(|it| made(it, &function.element))
                     .collect(),
             ),
             value => made(value, &function.gives),
-        }
+        };
+        self.with_texts(value, self.is_string(&function.element))
     }
 
     /// An argument that a function may change, of which only the run knows which variable it is.
@@ -269,7 +273,12 @@ impl Machine<'_> {
                 kind == Kind::Any || kind == it.kind
             }
             Value::Unknown(_) => kind == it.kind,
-            Value::Text(_) => kind == Kind::Any,
+            // A text that a pointer leads to is copied.
+            Value::Text(_) => {
+                let held = it.location.as_ref();
+                let text = held.is_some_and(|(slot, path)| self.string_at(*slot, path));
+                kind == Kind::Any && (text || !self.is_string(&parameter.of))
+            }
             _ => false,
         }
     }
@@ -284,8 +293,13 @@ impl Machine<'_> {
                 let made = shape::object(value, layout);
                 made.unwrap_or_else(|why| Value::Unknown(why.into()))
             }
+            (_, value) if !parameter.pointer && self.is_string(&parameter.of) => {
+                self.string_of(value)
+            }
             (_, value) => shape::deep(value, kind),
         };
+        let texts = !parameter.pointer && self.is_string(&parameter.element);
+        let value = self.with_texts(value, texts);
         let whole = matches!(value, Value::List(_));
         let slot = self.hold(value, kind);
         let of = if parameter.element.is_empty() {

@@ -5,13 +5,11 @@ use super::super::{
     host::{self},
     machine::{GAIN, Machine},
     reach::{Reach, base_name},
+    shape,
     tree::{Expr, ExprNode, Kind},
     value::Value,
 };
-use crate::{
-    config::{Fault, Place},
-    limit::VENDOR_VALUES,
-};
+use crate::config::{Fault, Place};
 
 impl Machine<'_> {
     /// `static_assert(condition, "why")`
@@ -45,7 +43,15 @@ impl Machine<'_> {
         match &all[..] {
             [copied @ Value::List(_)] => return copied.clone(),
             [from @ Value::Pointer(..), to @ Value::Pointer(..)] => {
+                let rows = match from {
+                    Value::Pointer(slot, path, _) => {
+                        let characters = matches!(self.kind_at(*slot, path), Kind::Bits(8, _));
+                        characters && !self.is_library(*slot, path)
+                    }
+                    _ => false,
+                };
                 let copied = self.copied_range(from, to);
+                let copied = if rows { copied.map(spelled) } else { copied };
                 return copied.unwrap_or_else(|| Value::Unknown("what an array copies".into()));
             }
             _ => {}
@@ -64,27 +70,6 @@ impl Machine<'_> {
                 self.error(place, message, "this length", "give it a length from 0 on");
                 Value::Whole(0)
             }
-        }
-    }
-
-    /// `std::string("text")`, `std::string(length, character)`
-    pub(super) fn text(&mut self, given: &[Expr]) -> Value {
-        let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        match &all[..] {
-            [] => Value::Text("".into()),
-            [text @ Value::Text(_)] => text.clone(),
-            [length, character] => {
-                let code = { character.whole() }.and_then(|it| u8::try_from(it).ok());
-                let length = { length.whole() }.and_then(|it| usize::try_from(it).ok());
-                let code = code.filter(u8::is_ascii);
-                match code.zip(length.filter(|it| *it <= VENDOR_VALUES)) {
-                    Some((code, length)) => {
-                        Value::Text(char::from(code).to_string().repeat(length).into())
-                    }
-                    None => Value::Unknown("a text".into()),
-                }
-            }
-            _ => Value::Unknown("a text".into()),
         }
     }
 
@@ -419,6 +404,27 @@ impl Machine<'_> {
             .help(format!("give `{name}` a value from {low} to {high}")),
         );
     }
+}
+
+/// Rows of characters as the texts that they hold: nothing else is made of them.
+fn spelled(copied: Value) -> Value {
+    let Value::List(all) = copied else {
+        return copied;
+    };
+    let row = |it: Value| match it {
+        Value::List(codes) => {
+            let ends = |it: &Value| it.whole() == Some(0);
+            let length = codes.iter().position(ends).unwrap_or(codes.len());
+            let numbers = codes.iter().all(|it| matches!(it, Value::Whole(_)));
+            if numbers {
+                shape::text(Value::List(codes[..length].to_vec()))
+            } else {
+                Value::List(codes)
+            }
+        }
+        it => it,
+    };
+    Value::List(all.into_iter().map(row).collect())
 }
 
 /// `std::to_string(number)`

@@ -170,7 +170,7 @@ impl Machine<'_> {
             self.constructed(&class, given, place)
         } else {
             let given = given.iter().map(|it| self.value(it)).collect();
-            shape::record(&class, given).unwrap_or_else(|why| Value::Unknown(why.into()))
+            self.record(&class, given)
         };
         let Reach::Location(slot, path) = object else {
             return None;

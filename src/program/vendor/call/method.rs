@@ -6,8 +6,7 @@ use super::super::{
     machine::{Location, Machine},
     reach::{Reach, base_name},
     shape,
-    text::character,
-    tree::{Expr, Kind, Word},
+    tree::{Expr, Kind},
     value::Value,
     why::Why,
 };
@@ -65,11 +64,10 @@ impl Machine<'_> {
                     .map(|it| (self.calls, it));
                 found
             }
-            (Some(Value::Text(text)), _) => {
-                let text = text.clone();
-                self.text_method(&text, &reached, member, given)
-                    .unwrap_or_else(|| self.changed(&reached, &name, member))
+            (Some(Value::Text(_)), Reach::Location(..)) if member == "swap" && given.len() == 1 => {
+                self.swapped(of, &given[0])
             }
+            (Some(Value::Text(_)), _) => self.text_method((&reached, &name), member, given, place),
             (Some(Value::Record(layout, _)), _)
                 if layout.members.iter().any(|it| &*it.name == member) =>
             {
@@ -118,59 +116,6 @@ impl Machine<'_> {
         Value::Unknown(why)
     }
 
-    /// A function of a text of the language's library.
-    fn text_method(
-        &mut self,
-        text: &Word,
-        reached: &Reach,
-        member: &str,
-        given: &[Expr],
-    ) -> Option<Value> {
-        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        let written = match (member, &values[..]) {
-            ("c_str" | "data", []) => return Some(Value::Text(text.clone())),
-            ("size" | "length", []) => {
-                return Some(Value::size_t(text.len() as i64));
-            }
-            ("empty", []) => return Some(Value::flag(text.is_empty())),
-            ("append", [more @ Value::Text(_)]) => {
-                Value::binary("+", &Value::Text(text.clone()), more).ok()?
-            }
-            ("clear", []) => Value::Text("".into()),
-            ("push_back", [code]) => {
-                Value::binary("+", &Value::Text(text.clone()), &character(code)).ok()?
-            }
-            ("back", []) if !text.is_empty() => {
-                let code = text.bytes().last().map(|it| i64::from(it as i8));
-                return code.map(Value::Whole);
-            }
-            ("find", [wanted]) => {
-                let Value::Text(wanted) = character(wanted) else {
-                    return None;
-                };
-                let at = text.find(&*wanted).map_or(-1, |it| it as i64);
-                return Some(Value::size_t(at));
-            }
-            ("substr", [from]) => {
-                return Some(Value::Text(
-                    text.get(usize::try_from(from.whole()?).ok()?..)?.into(),
-                ));
-            }
-            ("substr", [from, length]) => {
-                let from = usize::try_from(from.whole()?).ok()?;
-                let length = usize::try_from(length.whole()?).ok()?;
-                let end = from.saturating_add(length).min(text.len());
-                return Some(Value::Text(text.get(from..end)?.into()));
-            }
-            _ => return None,
-        };
-        let Reach::Location(slot, path) = reached else {
-            return None;
-        };
-        self.put(*slot, path, written.clone());
-        Some(written)
-    }
-
     /// The element that a function of an array gives back itself.
     fn given_back(
         &self,
@@ -215,12 +160,15 @@ impl Machine<'_> {
             "emplace_front" => "push_front",
             _ => return None,
         };
+        if given.len() != 1 && self.string_at(*slot, path) {
+            return Some((member, self.text(given)));
+        }
         let class = self.class_at(*slot, path)?;
         let value = if class.constructs() {
             self.constructed(&class, given, place)
         } else {
             let given = given.iter().map(|it| self.value(it)).collect();
-            shape::record(&class, given).unwrap_or_else(|why| Value::Unknown(why.into()))
+            self.record(&class, given)
         };
         Some((member, value))
     }
@@ -264,9 +212,21 @@ impl Machine<'_> {
     fn of_array(&mut self, (slot, path): Location, member: &str, given: &[Value]) -> Option<Value> {
         let kind = self.kind_at(slot, &path);
         let class = self.class_at(slot, &path);
-        let of_class = |it: &Value| shape::element(it.clone(), class.as_ref());
+        let texts = self.string_at(slot, &path);
+        let of_class = |(at, it): (usize, &Value)| {
+            // Numbers are lengths, and pointers to anything but characters places.
+            let characters = match it {
+                Value::Pointer(slot, path, _) => {
+                    let (slot, path) = self.pointed(*slot, path.clone());
+                    matches!(self.kind_at(slot, &path), Kind::Bits(8, _))
+                }
+                _ => true,
+            };
+            let text = texts && characters && (it.number().is_none() || at > 0);
+            self.with_texts(shape::element(it.clone(), class.as_ref()), text)
+        };
         // Of objects a length comes first, of `resize` and `assign`.
-        let given: Vec<Value> = given.iter().map(of_class).collect();
+        let given: Vec<Value> = given.iter().enumerate().map(of_class).collect();
         let given = &given[..];
         let Value::List(all) = self.target(slot, &path)? else {
             return None;
@@ -283,12 +243,13 @@ impl Machine<'_> {
         };
         let zero = match &class {
             Some(class) => shape::fresh(class, &Value::Whole(0)),
+            None if texts => Value::Text("".into()),
             None => Value::Whole(0),
         };
         // What a new element of an array of arrays is, is not known here.
         let plain = match &class {
             Some(class) => !class.constructs(),
-            None => all.first().is_none_or(|it| it.number().is_some()),
+            None => texts || all.first().is_none_or(|it| it.number().is_some()),
         };
         let mut found = Value::Whole(0);
         match (member, given) {

@@ -23,7 +23,6 @@ use super::{
     machine::Machine,
     reach::{Reach, base_name},
     scope::foreign,
-    shape,
     tree::{Expr, ExprNode, Function, TemplateArgument, last, qualifier},
     value::{Slot, Value, unassigned},
 };
@@ -132,7 +131,7 @@ impl Machine<'_> {
             }
             self.passes(layout.values);
             let given = given.iter().map(|it| self.value(it)).collect();
-            return shape::record(&layout, given).unwrap_or_else(|why| Value::Unknown(why.into()));
+            return self.record(&layout, given);
         }
         if host::simulates(name) {
             return self.simulated(last(name), given, place);
@@ -175,6 +174,9 @@ impl Machine<'_> {
         }
         match host::role(name, given.len()) {
             Role::Chip if standard => {
+                if given.iter().any(|it| self.text_under(it).is_some()) {
+                    self.text_places(name, place);
+                }
                 self.outside(name, given, place);
                 Value::Unknown(format!("`{name}`").into())
             }

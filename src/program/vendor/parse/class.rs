@@ -1,12 +1,13 @@
 //! Classes, structs and enumerations.
 
-use std::rc::Rc;
+use std::{collections::BTreeMap, rc::Rc};
 
 use super::super::{
     expression::unexpected,
     token::{Token, TokenKind},
     tree::{
         Bound, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct, Word,
+        last, qualifier,
     },
 };
 use super::{
@@ -398,7 +399,7 @@ impl Parser<'_> {
         self.skip_group();
         let end = std::mem::replace(&mut self.at, start + 1);
         let (mut data, mut functions) = (Vec::new(), Vec::new());
-        let mut plain = plain;
+        let (mut plain, around) = (plain, self.aliases.clone());
         while plain && self.at + 1 < end {
             let (bound, place) = (self.bound(), self.place());
             let member = match self.constructor(class) {
@@ -435,6 +436,7 @@ impl Parser<'_> {
             }
         }
         self.at = end;
+        self.own_types(class, around);
         // Arrays of objects with constructors are made in more steps than are followed.
         let empty = |it: &Declared| it.library && matches!(it.lengths[..], [None]);
         let whole = |it: &Declared| {
@@ -468,6 +470,53 @@ impl Parser<'_> {
         words
             .take_while(|it| QUALIFIERS.contains(it))
             .any(|it| it == "static")
+    }
+
+    /// `typedef type name;` or `using name = type;` in a class; nothing where it defines a class, or
+    /// is of a base.
+    fn own_type(&mut self) -> Option<StmtNode> {
+        if self.word(0) == "typedef" {
+            self.at += 1;
+            let defines = self.is_definition();
+            self.at -= 1;
+            return if defines { None } else { self.typedef().ok() };
+        }
+        let name = self.peek(1).and_then(Token::name).cloned();
+        let name = name.filter(|_| self.peek(2).is_some_and(|t| t.is("=")))?;
+        self.at += 3;
+        self.alias(name);
+        self.skip_past(";");
+        Some(StmtNode::Nothing)
+    }
+
+    /// The names that a class has for types are its own: outside they are known behind its name.
+    fn own_types(&mut self, class: &str, around: BTreeMap<Word, Type>) {
+        let inside = std::mem::replace(&mut self.aliases, around);
+        for (name, it) in inside {
+            let full: Word = format!("{class}::{name}").into();
+            if qualifier(&name).is_some() {
+                self.aliases.insert(name, it);
+            } else if self.aliases.get(&name) != Some(&it) {
+                self.aliases.insert(full, it);
+            }
+        }
+    }
+
+    /// Reads what stands behind a class and belongs to it, which knows its names for types.
+    pub(super) fn of_class<T>(&mut self, class: &str, read: impl FnOnce(&mut Self) -> T) -> T {
+        let own = |it: &(&Word, &Type)| qualifier(it.0) == Some(class);
+        let own: Vec<(Word, Type)> = { self.aliases.iter() }
+            .filter(own)
+            .map(|(name, it)| (last(name).into(), it.clone()))
+            .collect();
+        if class.is_empty() || own.is_empty() {
+            return read(self);
+        }
+        let around = self.aliases.clone();
+        self.aliases.extend(own);
+        let made = read(self);
+        self.aliases = around;
+        made
     }
 
     fn is_friend(&self) -> bool {
@@ -534,6 +583,9 @@ impl Parser<'_> {
         }
         if self.is_friend() {
             return self.befriended();
+        }
+        if matches!(self.word(0), "typedef" | "using") {
+            return self.own_type();
         }
         if matches!(self.word(0), "struct" | "class") {
             let named = !self.word(1).is_empty();

@@ -132,7 +132,7 @@ impl Parser<'_> {
             return Ok(StmtNode::Class(member.into_iter().collect()));
         };
         let outer = std::mem::replace(&mut self.base, begins.base.clone());
-        let read = self.defined(class);
+        let read = self.of_class(class, |it| it.defined(class));
         self.base = outer;
         match read? {
             Some(StmtNode::Function(mut function)) => {

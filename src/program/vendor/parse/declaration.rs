@@ -77,7 +77,9 @@ impl Parser<'_> {
         if self.sees("(") {
             // A word, and a statement in the next line.
             let apart = unknown && self.tokens[name_at].first;
-            if let Some(node) = self.function(&name, name_place, &first, &qualified)? {
+            let class = qualified.last().copied().unwrap_or_default();
+            let read = |it: &mut Self| it.function(&name, name_place, &first, &qualified);
+            if let Some(node) = self.of_class(class, read)? {
                 return Ok(Some(match node {
                     StmtNode::Prototype(_) if apart => {
                         self.at = start;
@@ -384,6 +386,9 @@ impl Parser<'_> {
                 None
             }
             (true, 2) => Some(Expr::made(FILLED, given, place)),
+            (_, length) if length != 1 && last(&it.of) == "string" && !it.pointer => {
+                Some(Expr::made("std::string", given, place))
+            }
             _ if number || it.pointer || last(&it.of) == "string" => given.into_iter().next(),
             _ if self.makes(it) || self.classes.contains(&it.of) => {
                 Some(Expr::made(&it.of, given, place))

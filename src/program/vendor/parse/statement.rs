@@ -25,6 +25,9 @@ impl Parser<'_> {
 
     #[allow(clippy::too_many_lines)] // One arm for each kind of statement.
     fn statement_node(&mut self) -> Parsed<StmtNode> {
+        if self.labels() && (self.sees("}") || self.ends_kernel()) {
+            return Ok(StmtNode::Nothing);
+        }
         if self.sees("{") {
             return Ok(StmtNode::Block(self.block()?));
         }
@@ -84,11 +87,6 @@ impl Parser<'_> {
                 self.at += 1;
                 self.expect(":", "a case is `default:`")?;
                 Ok(StmtNode::Case(None))
-            }
-            // A label, which only a `goto` is for.
-            name if !name.is_empty() && self.peek(1).is_some_and(|t| t.is(":")) => {
-                self.at += 2;
-                Ok(StmtNode::Nothing)
             }
             "goto" => Err(
                 Fault::error(self.place(), "`goto` is not followed", "this jump")
@@ -184,6 +182,18 @@ impl Parser<'_> {
                 }
             }
         }
+    }
+
+    /// Over labels, which only a `goto` is for; whether there are any. Behind them the statement
+    /// stands that they belong to.
+    fn labels(&mut self) -> bool {
+        let start = self.at;
+        while !matches!(self.word(0), "" | "default" | "case")
+            && self.peek(1).is_some_and(|t| t.is(":"))
+        {
+            self.at += 2;
+        }
+        self.at > start
     }
 
     /// Tells of a word alone that ends with its line, if one stands before this.

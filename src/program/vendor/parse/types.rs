@@ -37,7 +37,7 @@ pub(super) const RESERVED: [&str; 14] = [
 
 /// A type, as far as it matters.
 #[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(in crate::program::vendor) struct Type {
     pub kind: Kind,
     pub(super) constant: bool,
@@ -236,8 +236,15 @@ impl Parser<'_> {
             named = true;
             self.type_name(&mut it);
             while self.sees("::") && !self.word(1).is_empty() {
+                let class = it.name.clone();
                 self.at += 1;
-                self.type_name(&mut it);
+                let full = format!("{class}::{}", self.word(0));
+                if self.aliases.contains_key(&*full) {
+                    self.at += 1;
+                    self.take_alias(&full, &mut it);
+                } else {
+                    self.type_name(&mut it);
+                }
             }
         }
         if let (Some(true), Kind::Bits(bits, _)) = (unsigned, it.kind) {
@@ -258,17 +265,25 @@ impl Parser<'_> {
         named.then_some(it)
     }
 
+    /// A type by another name of it, with what was said before.
+    fn take_alias(&self, name: &str, it: &mut Type) -> bool {
+        let Some(alias) = self.aliases.get(name) else {
+            return false;
+        };
+        let (constant, lasting) = (it.constant, it.lasting);
+        *it = alias.clone();
+        it.constant |= constant;
+        it.lasting |= lasting;
+        true
+    }
+
     /// The name of a type, with what stands in `<…>` behind it.
     fn type_name(&mut self, it: &mut Type) {
         let Some(name) = self.peek(0).and_then(Token::name).cloned() else {
             return;
         };
         self.at += 1;
-        if let (Some(alias), false) = (self.aliases.get(&name), self.sees("<")) {
-            let (constant, lasting) = (it.constant, it.lasting);
-            *it = alias.clone();
-            it.constant |= constant;
-            it.lasting |= lasting;
+        if !self.sees("<") && self.take_alias(&name, it) {
             return;
         }
         it.kind = self.kind_named(&name);
