@@ -72,7 +72,7 @@ impl Maker {
             scene: self.source.name(),
         };
         remade.equivalent(packets, window, |parts| {
-            remade.at(parts, &mut *self.open()?, || ())
+            Ok(remade.at(parts, &mut *self.open()?, || ())?)
         })
     }
 

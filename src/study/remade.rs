@@ -1,18 +1,22 @@
 //! The reference of a comparison, made again by the sensor that it came from at other thresholds:
 //! the threshold equivalent of what the judged packet lacks.
 
-use miette::{Report, WrapErr, miette};
+use miette::Diagnostic;
 use serde::Serialize;
+use thiserror::Error;
 
 use super::equivalent::{self, Ladder, RUNGS, Tuned};
 use crate::{
-    compare::{Pair, equality},
+    compare::{
+        CompareError, Pair,
+        equality::{self, Divergence},
+    },
     event::Packet,
     number::Format,
     reference::{Description, Reference},
-    rig,
+    rig::{self, RigError},
     scene::Scene,
-    sensor::Sensor,
+    sensor::{Sensor, SensorError},
     unit::Micros,
 };
 
@@ -27,6 +31,50 @@ pub struct Equivalent {
     pub is_least: bool,
     /// Against the sensor that says as many events; none where no threshold does.
     pub tuned: Option<Tuned>,
+}
+
+/// Why the reference could not be made again.
+#[derive(Debug, Error, Diagnostic)]
+pub enum RemadeError {
+    /// What the sensor says of the scene has nothing in common with the reference.
+    #[error("{scene} seen by {sensor}")]
+    #[diagnostic(forward(cause))]
+    Unlike {
+        /// The scene.
+        scene: String,
+        /// The sensor.
+        sensor: String,
+        /// Why they cannot be compared.
+        #[source]
+        cause: CompareError,
+    },
+    /// The reference is not what the sensor says of the scene.
+    #[error("{reference} is not what {sensor} says of {scene}: they part at {}, x {} y {} channel {}", at.t, at.x, at.y, at.channel)]
+    #[diagnostic(help(
+        "give the scene, --fps, --upsample and --seed with which the reference was made, or leave --sensor out"
+    ))]
+    Parted {
+        /// The reference.
+        reference: String,
+        /// The sensor.
+        sensor: String,
+        /// The scene.
+        scene: String,
+        /// The first event that only one of them has.
+        at: Divergence,
+    },
+    /// The packets cannot be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Compare(#[from] CompareError),
+    /// The sensor cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
+    /// Scene or sensor cannot go on.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rig(#[from] RigError),
 }
 
 /// Who made the reference, and what each is called.
@@ -56,44 +104,55 @@ impl Remade<'_> {
     ///
     /// # Panics
     /// When `at` gives no packet.
-    pub fn equivalent(
+    pub fn equivalent<E: From<RemadeError>>(
         &self,
         [reference, judged]: [&Packet; 2],
         (window, seed): (Micros, u64),
-        mut at: impl FnMut(&[f64]) -> Result<Vec<Packet>, Report>,
-    ) -> Result<Equivalent, Report> {
+        mut at: impl FnMut(&[f64]) -> Result<Vec<Packet>, E>,
+    ) -> Result<Equivalent, E> {
         let mut parts = vec![1.0];
         parts.extend(RUNGS);
         let mut rungs = at(&parts)?;
         let own = rungs.remove(0);
-        let seen = || format!("{} seen by {}", self.scene, self.sensor);
-        let pair = Pair::new(reference, &own).wrap_err_with(seen)?;
-        if let Some(first) = equality::first_divergence(&pair) {
-            return Err(miette!(
-                help = "give the scene, --fps, --upsample and --seed with which the reference was made, or leave --sensor out",
-                "{} is not what {} says of {}: they part at {}, x {} y {} channel {}",
-                self.reference,
-                self.sensor,
-                self.scene,
-                first.t,
-                first.x,
-                first.y,
-                first.channel
-            ));
-        }
+        self.check(reference, &own)?;
         // The frame rate is the headline's own.
-        let ladder = Ladder::new(own, &rungs, window, 0.0, seed)?;
-        let mut likeness = ladder.judge(judged)?;
+        let ladder = Ladder::new(own, &rungs, window, 0.0, seed).map_err(RemadeError::from)?;
+        let mut likeness = ladder.judge(judged).map_err(RemadeError::from)?;
         if let Some(part) = ladder.part_of(judged.events.len() as u64)
             && let [tuned] = &at(&[part])?[..]
         {
-            ladder.tune(&mut likeness, judged, (part, tuned))?;
+            let found = ladder.tune(&mut likeness, judged, (part, tuned));
+            found.map_err(RemadeError::from)?;
         }
         Ok(Equivalent {
             percent: likeness.threshold_equivalent_percent,
             is_least: likeness.threshold_equivalent_is_least,
             tuned: likeness.tuned,
         })
+    }
+
+    /// Whether the reference is what the sensor says of the scene.
+    fn check(&self, reference: &Packet, own: &Packet) -> Result<(), RemadeError> {
+        let [sensor, scene] = [self.sensor, self.scene].map(str::to_owned);
+        let pair = match Pair::new(reference, own) {
+            Ok(pair) => pair,
+            Err(cause) => {
+                return Err(RemadeError::Unlike {
+                    scene,
+                    sensor,
+                    cause,
+                });
+            }
+        };
+        match equality::first_divergence(&pair) {
+            None => Ok(()),
+            Some(at) => Err(RemadeError::Parted {
+                reference: self.reference.to_owned(),
+                sensor,
+                scene,
+                at,
+            }),
+        }
     }
 
     /// What the sensor says of a scene at each of these parts of its thresholds.
@@ -105,7 +164,7 @@ impl Remade<'_> {
         parts: &[f64],
         scene: &mut dyn Scene,
         mut watched: impl FnMut(),
-    ) -> Result<Vec<Packet>, Report> {
+    ) -> Result<Vec<Packet>, RemadeError> {
         let mut sensors = Vec::new();
         for part in parts {
             let description = equivalent::at_part(self.description, *part);

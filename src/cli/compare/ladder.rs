@@ -62,6 +62,6 @@ impl Arguments {
             light::warn(&Warning::of_scene(&observation, Response::IDENTITY));
             light::warn(Warning::assumed_rate(&observation, "--fps").as_slice());
         }
-        packets
+        Ok(packets?)
     }
 }
