@@ -2,7 +2,7 @@
 //!
 //! [`play`] is the one loop over the frames of a scene; whoever shows light to anything goes
 //! through it, but for a host that runs beside an array and takes its frames itself
-//! ([`Beside`](crate::program::Beside)). What is inserted between frames, left out or retimed is a
+//! ([`Beside`](crate::program::Beside)). What is inserted between frames or left out is a
 //! scene of its own (`scene::upsample`, `scene::part`), so that the loop need not know.
 
 mod few;

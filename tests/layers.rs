@@ -209,8 +209,24 @@ fn only_some_rooms_touch_the_world() {
             forbid(what, room == "cli", &mut wrong);
         }
         // The library has concrete types of errors.
-        for what in ["miette!(", "miette::Re", "WrapErr", "IntoDiagnostic"] {
+        for what in [
+            "miette!(",
+            "bail!(",
+            "ensure!(",
+            "miette::Re",
+            "WrapErr",
+            "IntoDiagnostic",
+        ] {
             forbid(what, room == "cli", &mut wrong);
+        }
+        let used = code.split("use miette::{").skip(1);
+        let used = used.filter_map(|it| it.split_once('}'));
+        let mut names = used.flat_map(|(names, _)| names.split(',').map(str::trim));
+        if room != "cli" && names.any(|it| matches!(it, "Report" | "Result")) {
+            wrong.push(format!(
+                "{} takes Report or Result of miette",
+                file.display()
+            ));
         }
         // `main` alone ends the program: what holds temporaries is dropped before.
         forbid("process::exit", false, &mut wrong);

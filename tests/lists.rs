@@ -12,7 +12,10 @@ use amacrine::{
     isa::Device,
     kernel::quantise,
     number::{FIXED, Format as Number},
-    scene::pattern::{PARAMETERS, PATTERNS, Pattern},
+    scene::{
+        Transfer,
+        pattern::{PARAMETERS, PATTERNS, Pattern},
+    },
 };
 use common::good;
 
@@ -218,6 +221,22 @@ fn verbs() {
     }
     let list = format!("verbs: {};", verbs.join(", "));
     assert!(page.contains(&list), "README.md: {list}");
+}
+
+/// Who may name a transfer: the command line, studies, Python.
+#[test]
+fn transfers() {
+    let help = good(root(), &["run", "--help"]);
+    let schema = good(root(), &["schema", "study"]);
+    let python = fs::read_to_string(root().join("python/amacrine/frames.py")).unwrap();
+    for word in Transfer::WORDS {
+        assert!(help.contains(&format!("- {word}:")), "run --help: {word}");
+        assert!(schema.contains(&format!("\"{word}\"")), "study: {word}");
+        assert!(
+            python.contains(&format!("    \"{word}\",")),
+            "frames.py: {word}"
+        );
+    }
 }
 
 fn is_rust(name: &str) -> bool {

@@ -519,9 +519,11 @@ fn solve_takes_parts_that_differ() {
     assert!((told - rms).abs() <= 1e-12 * rms && rms > 0.01, "{told}");
     assert_ne!(drawn("8").0, chip);
 
-    let (bent, _) = of(&["--laterals", "saturating:3"]);
+    let (bent, said) = of(&["--laterals", "saturating:3"]);
+    let law = &said["laterals"];
     let own = uniform().with_laterals(Laterals::Saturating { scale: 3.0 });
     assert_eq!(bent, own.unwrap().settle(&signal).unwrap().surround);
+    assert_eq!(law, "saturating:3");
 
     let solve = ["solve", "--lambda", "2", "--input", "P.npy", "--output"];
     let idle = refused(
@@ -529,6 +531,11 @@ fn solve_takes_parts_that_differ() {
         folder.path(),
     );
     assert!(idle.contains("--seed draws the parts of a chip"), "{idle}");
+    for mismatch in ["10", "101%", "-1%"] {
+        let more = ["n.npy", "--lateral-mismatch", mismatch];
+        let said = refused(&[&solve[..], &more].concat(), folder.path());
+        assert!(said.contains("is no mismatch: give 0% to 100%"), "{said}");
+    }
     let law = ["n.npy", "--laterals", "saturating:-1"];
     let law = refused(&[&solve[..], &law].concat(), folder.path());
     assert!(law.contains("give saturating:V or opening:V"), "{law}");

@@ -2366,8 +2366,8 @@ fn a_stack_of_bits_has_its_display() {
                 scamp5_output_bitstack_begin(d, 2);\nscamp5_output_bitstack_bit(R5);\nscamp5_output_bitstack_bit(R6);\n\
                 scamp5_output_bitstack_end();\nscamp5_output_image(R7, 0); } }";
     let titles = Program::read("p.cpp", text).titles;
-    let titles: Vec<(u32, &str)> = titles.iter().map(|(line, it)| (*line, &**it)).collect();
-    assert_eq!(titles, [(4, "four bits"), (5, "four bits")]);
+    let titles: Vec<(&str, &str)> = titles.iter().map(|(at, it)| (&**at, &**it)).collect();
+    assert_eq!(titles, [("line 4", "four bits"), ("line 5", "four bits")]);
 }
 
 /// Pointers into rows and objects are as far apart as their elements lie in memory.

@@ -1101,6 +1101,16 @@ int i = 0; while (i < 10) { if (i > 5) out: break; i++; } scamp5_in(C, i); if (i
 fn what_texts_do_not_take_is_refused() {
     for (inside, message, help) in [
         (
+            "int k = 1;\nunsigned char u[] = \"\\xff\\x80\"; scamp5_in(A, u[0] - 200);",
+            "a text with a 0 inside, or with bytes that are no UTF-8",
+            "{0xff, 0x80}",
+        ),
+        (
+            "int k = 1;\nscamp5_in(A, strlen(\"a\\0b\"));",
+            "a text with a 0 inside, or with bytes that are no UTF-8",
+            "an array of numbers",
+        ),
+        (
             "int k = 1;\nchar a[3] = \"abc\"; scamp5_in(A, a[0]);",
             "4 characters with the 0 at the end, and there is room for 3",
             "fewer",

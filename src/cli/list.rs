@@ -227,12 +227,17 @@ fn scene(name: &str) -> miette::Result<String> {
         ));
     }
     let outline = scene::bundled()?.outline();
-    let frames = outline.frames.unwrap_or_default();
     let (size, fps, coding) = (outline.size, outline.fps, outline.coding);
-    let seconds = frames as f64 / fps;
+    let (frames, seconds) = match outline.frames {
+        Some(frames) => (
+            format!("{frames} of "),
+            format!(", {} s", frames as f64 / fps),
+        ),
+        None => (String::new(), String::new()),
+    };
     Ok(format!(
         "bundled: people walking past a still camera, gray\n\n\
-         frames   {frames} of {size} at {fps} frames/s, {seconds} s\n\
+         frames   {frames}{size} at {fps} frames/s{seconds}\n\
          light    {coding}\n\
          source   a crop of vtest.avi, of OpenCV's examples (Apache-2.0 and BSD-3-Clause)\n\
          given    as --scene bundled\n"

@@ -189,7 +189,7 @@ impl Source {
         let mut expansion = expansion.unwrap_or_default();
         let set = set.iter().map(|name| Register::named_to_set(&device, name));
         let set: Vec<Register> = set.collect::<Result<_, _>>()?;
-        expansion.are_set(&device, |cell| set.contains(&Register::from(*cell)));
+        expansion.drop_unwritten(&device, |cell| set.contains(&Register::from(*cell)));
         let opened = Opened {
             program,
             device,

@@ -53,7 +53,8 @@ pub struct Arguments {
     sets: Vec<Override>,
     /// Folder of the results
     ///
-    /// Default: the name of the study without its ending, plus a hash of the keys that are set.
+    /// Default: the name of the study without its ending; if keys are set, with eight letters of the
+    /// hash of the study behind it.
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
     /// Shard to compute: the points whose number leaves a remainder of i when divided by n

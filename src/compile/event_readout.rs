@@ -28,18 +28,21 @@ pub enum EventReadout {
 
 impl From<&Plan> for EventReadout {
     fn from(plan: &Plan) -> Self {
-        match plan.way {
-            Way::AsProgrammed | Way::BusiestFrame | Way::NinetyNinePercent => {
-                Self::Slots(plan.slots.unwrap_or_default() as u32)
-            }
-            Way::BitPlanes | Way::Region => {
-                let rows = plan.rows.clone().unwrap_or(0..=0);
-                Self::BitPlanes(*rows.start() as u16, *rows.end() as u16)
-            }
-            Way::BoundingBox => Self::BoundingBox,
-            Way::EventCounts => Self::Counts,
-            Way::Sums => Self::Sums,
-            Way::AnyEvent => Self::Any,
+        match (plan.slots, &plan.rows) {
+            (Some(slots), _) => Self::Slots(slots as u32),
+            (None, Some(rows)) => Self::BitPlanes(*rows.start() as u16, *rows.end() as u16),
+            (None, None) => match plan.way {
+                Way::BoundingBox => Self::BoundingBox,
+                Way::EventCounts => Self::Counts,
+                Way::Sums => Self::Sums,
+                Way::AnyEvent
+                // These have slots or rows.
+                | Way::AsProgrammed
+                | Way::BusiestFrame
+                | Way::NinetyNinePercent
+                | Way::BitPlanes
+                | Way::Region => Self::Any,
+            },
         }
     }
 }

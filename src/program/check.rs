@@ -68,8 +68,8 @@ pub(super) fn unwritten(
 }
 
 impl Expansion {
-    /// Takes back that nothing writes a register, of those that are set before the program runs.
-    pub fn are_set(&mut self, device: &Device, is_set: impl Fn(&Cell) -> bool) {
+    /// Drops the warnings that nothing writes a register, of those that are set before the program runs.
+    pub fn drop_unwritten(&mut self, device: &Device, is_set: impl Fn(&Cell) -> bool) {
         let of_these = unwritten(self, device, is_set);
         self.warnings.retain(|it| !of_these.contains(it));
     }

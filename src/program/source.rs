@@ -58,8 +58,9 @@ pub struct Program {
     pub settings: Settings,
     /// What it is expected to give.
     pub expectation: Expectation,
-    /// Titles of what vendor C++ shows on displays, by the line of the call.
-    pub titles: BTreeMap<u32, String>,
+    /// Titles of what vendor C++ shows on displays, by the place of the call: `line 7`, or `part.hpp:3`
+    /// in an included file.
+    pub titles: BTreeMap<String, String>,
     /// Faults of the text itself.
     faults: Vec<Fault>,
     /// What vendor C++ asks for by `#include`; `None` for a program in the frame language.

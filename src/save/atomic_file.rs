@@ -140,6 +140,11 @@ impl AtomicFile {
         finish().map_err(hears).map_err(SaveError::at(&path))
     }
 
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Whether what is written is no file that is replaced.
     pub(super) const fn is_written_through(&self) -> bool {
         self.end.is_written_through()

@@ -31,6 +31,6 @@ pub use litter::{is_temporary, sweep_up};
 pub use spool::Spool;
 pub use stack::Stack;
 pub use temporary::remove_all;
-pub use together::Together;
+pub use together::{Together, TogetherError};
 pub use whole::{save, save_durably};
 pub use writable::{check_folder_writable, check_writable, free_space};

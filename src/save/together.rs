@@ -2,10 +2,41 @@
 
 use std::{
     io::{self, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use super::{atomic_file::AtomicFile, error::SaveError, whole::filled};
+
+/// Files that belong together could not all be written.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{cause}{}", told(kept))]
+#[diagnostic(forward(cause))]
+pub struct TogetherError {
+    /// Those that have their names all the same.
+    pub kept: Vec<PathBuf>,
+    /// Why the next could not be written.
+    pub cause: SaveError,
+}
+
+impl From<SaveError> for TogetherError {
+    fn from(cause: SaveError) -> Self {
+        Self {
+            kept: Vec::new(),
+            cause,
+        }
+    }
+}
+
+fn told(kept: &[PathBuf]) -> String {
+    if kept.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = kept.iter().map(|path| path.display().to_string()).collect();
+    format!(
+        "; of what belongs together there is {}, and no more",
+        names.join(", ")
+    )
+}
 
 /// Files of one result, each under a temporary name until all are [kept](Self::keep): what fails
 /// or is killed before that leaves what was there.
@@ -43,9 +74,17 @@ impl Together {
     /// Gives all files their names, in the order in which they were added.
     ///
     /// # Errors
-    /// When a name cannot be given; files before it have theirs.
-    pub fn keep(self) -> Result<(), SaveError> {
-        self.files.into_iter().try_for_each(AtomicFile::keep)
+    /// When a name cannot be given: the files before it, which have theirs, are told.
+    pub fn keep(self) -> Result<(), TogetherError> {
+        let mut kept = Vec::new();
+        for file in self.files {
+            let path = file.path().to_owned();
+            if let Err(cause) = file.keep() {
+                return Err(TogetherError { kept, cause });
+            }
+            kept.push(path);
+        }
+        Ok(())
     }
 }
 
@@ -78,5 +117,13 @@ mod tests {
             assert_eq!(fs::read(at(name)).unwrap(), b"new");
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+        // A name that cannot be given: those before it are told.
+        let mut files = Together::new();
+        files.add(&at("a"), |out| out.write_all(b"newer")).unwrap();
+        files.add(&at("c"), |out| out.write_all(b"newer")).unwrap();
+        fs::create_dir(at("c")).unwrap();
+        let said = files.keep().unwrap_err().to_string();
+        let there = format!("there is {}, and no more", at("a").display());
+        assert!(said.contains(&there), "{said}");
     }
 }

@@ -47,7 +47,8 @@ pub struct Arguments {
     /// Sensor file that made the reference
     ///
     /// It is run on the scene at other thresholds. This tells which change of its threshold costs
-    /// as much, and which has as many events. The options under Scene need it.
+    /// as much, and which has as many events. The options under Scene need it,
+    /// but for --fps, which without it says how far apart the frames of the events are.
     #[arg(long)]
     sensor: Option<files::Input>,
     #[command(flatten)]

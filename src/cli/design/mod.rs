@@ -33,7 +33,7 @@ use crate::{
     kernel::quantise::Quantiser,
     photoreceptor::Response,
     rig::guard::Warning,
-    save::{SaveError, Together},
+    save::{Together, TogetherError},
     scene::Observation,
     study::{
         equivalent::RUNGS,
@@ -183,8 +183,8 @@ impl Written {
         [&self.sensor, &self.program, &self.report]
     }
 
-    /// Writes all or none of them.
-    fn write(&self, texts: &[String; 3]) -> Result<(), SaveError> {
+    /// Writes all of them before the first has its name.
+    fn write(&self, texts: &[String; 3]) -> Result<(), TogetherError> {
         let mut files = Together::new();
         for (path, text) in self.all().into_iter().zip(texts) {
             files.add(path, |out| out.write_all(text.as_bytes()))?;

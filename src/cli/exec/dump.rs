@@ -8,7 +8,7 @@ use crate::{
     npy,
     picture::{panel, png},
     plane::Plane,
-    save::{SaveError, Together},
+    save::{SaveError, Together, TogetherError},
 };
 
 /// The files that a dump writes.
@@ -23,8 +23,8 @@ fn pair(folder: &Path, register: &str) -> [PathBuf; 2] {
     ["npy", "png"].map(|ending| folder.join(format!("{register}.{ending}")))
 }
 
-/// Writes every register, as numbers and as a picture: all of them or none.
-pub fn dump(chip: &dyn Array, folder: &Path) -> Result<(), SaveError> {
+/// Writes every register, as numbers and as a picture: all of them before the first has its name.
+pub fn dump(chip: &dyn Array, folder: &Path) -> Result<(), TogetherError> {
     let mut files = Together::new();
     let (low, high) = chip.device().register_range();
     for register in Register::all(chip.device()) {

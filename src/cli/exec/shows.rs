@@ -45,7 +45,11 @@ impl<'a> Shows<'a> {
                 0 => String::new(),
                 again => format!("-{}", again + 1),
             };
-            let title = self.opened.program.titles.get(&reading.line);
+            let called_at = match &reading.origin {
+                Some(origin) => origin.to_string(),
+                None => format!("line {}", reading.line),
+            };
+            let title = self.opened.program.titles.get(&called_at);
             let title = title.map_or_else(String::new, |title| format!("-{}", plain(title)));
             let name = format!("{line}{again}{title}-frame-{index:04}.png");
             let path = folder.join(name);

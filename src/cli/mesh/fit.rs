@@ -31,8 +31,9 @@ pub struct Arguments {
     /// Penalty that holds the gains down
     ///
     /// The fit minimises the squared relative error plus this number times the sum of the squared
-    /// gains, with gains relative to the norm of the kernel. With 0 it takes the least penalty that
-    /// keeps two sheets apart, and prints it.
+    /// gains, with gains relative to the norm of the kernel. Where two sheets would become one,
+    /// the fit takes the least larger power of ten that keeps them apart, and prints it; if none does,
+    /// it has one sheet less.
     #[arg(long, default_value_t = 1e-4)]
     ridge: f64,
     /// Print JSON in place of text

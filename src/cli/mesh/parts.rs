@@ -1,7 +1,7 @@
 //! Parts of a sheet that are not equal, as silicon has them.
 
 use crate::{
-    cli::{fidelity::percent, heading},
+    cli::heading,
     mesh::{Laterals, MeshError, Mismatch, Network, Settled, Sheet},
     plane::{Plane, Size},
 };
@@ -12,10 +12,10 @@ pub(super) struct Parts {
     /// Mismatch of the lateral resistors of one chip, such as 1%
     ///
     /// It is the standard deviation of the logarithm of the resistance.
-    #[arg(long, value_name = "PERCENT", value_parser = percent, help_heading = heading::PARTS)]
+    #[arg(long, value_name = "PERCENT", value_parser = spread, allow_hyphen_values = true, help_heading = heading::PARTS)]
     lateral_mismatch: Option<f64>,
     /// Mismatch of the transverse resistors, such as 10%
-    #[arg(long, value_name = "PERCENT", value_parser = percent, help_heading = heading::PARTS)]
+    #[arg(long, value_name = "PERCENT", value_parser = spread, allow_hyphen_values = true, help_heading = heading::PARTS)]
     transverse_mismatch: Option<f64>,
     /// Seed of the chip whose parts are drawn [default: 0]
     #[arg(long, help_heading = heading::PARTS)]
@@ -34,7 +34,9 @@ pub(super) struct Chip {
     lateral_mismatch: f64,
     transverse_mismatch: f64,
     seed: u64,
-    /// Root mean square of its difference from the surround of equal parts, in the signal's unit.
+    /// The law of the laterals, as it was asked for; none of resistors.
+    laterals: Option<String>,
+    /// Root mean square of its difference from the surround of equal resistors, in the signal's unit.
     pub differs_rms: f64,
     /// The largest difference.
     pub differs_most: f64,
@@ -86,11 +88,30 @@ impl Parts {
             lateral_mismatch: mismatch.lateral,
             transverse_mismatch: mismatch.transverse,
             seed,
+            laterals: self.laterals.and_then(written),
             differs_rms: (squares / surround.len() as f64).sqrt(),
             differs_most: most,
             error,
         };
         Ok((surround, chip))
+    }
+}
+
+/// The standard deviation of the logarithm of a part.
+fn spread(text: &str) -> Result<f64, String> {
+    let number = text.trim().strip_suffix('%').map(str::trim);
+    let number = number.and_then(|number| number.parse::<f64>().ok());
+    let spread = number.filter(|number| (0.0..=100.0).contains(number));
+    spread.map(|number| number / 100.0).ok_or_else(|| {
+        format!("`{text}` is no mismatch: give 0% to 100%, with the percent sign, such as 1%")
+    })
+}
+
+fn written(law: Laterals) -> Option<String> {
+    match law {
+        Laterals::Linear => None,
+        Laterals::Saturating { scale } => Some(format!("saturating:{scale}")),
+        Laterals::Opening { scale } => Some(format!("opening:{scale}")),
     }
 }
 

@@ -137,7 +137,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let differences = [chip.differs_rms, chip.differs_most];
         let [rms, most] = differences.map(|value| brief(value, chip.differs_most));
         say(&format!(
-            "its surround differs from that of equal parts by {rms} (root mean square), at most {most}\n"
+            "its surround differs from that of equal resistors by {rms} (root mean square), at most {most}\n"
         ));
     }
     Ok(())

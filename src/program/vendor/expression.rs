@@ -38,6 +38,23 @@ const ASSIGN: [(&str, Option<&str>); 11] = [
 ];
 
 /// The fault that something else was expected.
+/// A text of these bytes. What stands behind a 0 in it is no part of a text, and other bytes than those
+/// of UTF-8 are numbers: neither is followed.
+fn characters(mut all: Vec<u8>, place: Place) -> Result<String, Fault> {
+    while all.last() == Some(&0) {
+        all.pop();
+    }
+    let text = String::from_utf8(all).ok().filter(|it| !it.contains('\0'));
+    text.ok_or_else(|| {
+        Fault::error(
+            place,
+            "a text with a 0 inside, or with bytes that are no UTF-8",
+            "this text",
+        )
+        .help("give an array of numbers: {0xff, 0x80}")
+    })
+}
+
 pub(super) fn unexpected(found: Option<&Token>, place: Place, expected: &str, help: &str) -> Fault {
     let what = match found.map(|t| &t.kind) {
         None => "the end of the file".to_owned(),
@@ -252,11 +269,12 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
             it.at += 1;
             let mut all = unescaped(text);
             while let Some(TokenKind::Text(more)) = it.peek(0).map(|t| &t.kind) {
-                all.push_str(&unescaped(more));
+                all.extend(unescaped(more));
                 it.at += 1;
             }
+            let text = characters(all, place)?;
             return Ok(Expr {
-                node: ExprNode::Text(all.into()),
+                node: ExprNode::Text(text.into()),
                 place,
             });
         }

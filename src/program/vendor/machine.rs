@@ -162,7 +162,7 @@ pub(super) struct Machine<'a> {
     /// The variable that is being declared.
     pub naming: Option<Word>,
     /// What is shown, by its line: the display's title.
-    pub titles: BTreeMap<u32, BTreeSet<String>>,
+    pub titles: BTreeMap<String, BTreeSet<String>>,
     /// Buffers that events were read into, by the names that programs have for them.
     pub scanned: BTreeMap<String, String>,
     /// The row and the column that were selected last, which masks go with.

@@ -103,7 +103,7 @@ pub(super) struct Read {
     /// What only a run beside the array decides: faults too, where the program has to be known.
     pub undecided: Vec<Fault>,
     /// Titles of what is shown, by line.
-    pub titles: BTreeMap<u32, BTreeSet<String>>,
+    pub titles: BTreeMap<String, BTreeSet<String>>,
     /// Whether it has a loop over the frames.
     pub loops: bool,
     /// In how many places it writes texts for people.

@@ -196,8 +196,8 @@ impl<'a> Lexer<'a> {
                 if quote == '"' {
                     return Ok(TokenKind::Text(inner.into()));
                 }
-                let code = unescaped(inner).chars().next_back().unwrap_or(' ');
-                return Ok(TokenKind::Character(i64::from(u32::from(code))));
+                let code = unescaped(inner).last().copied().unwrap_or(b' ');
+                return Ok(TokenKind::Character(code.into()));
             }
             escaped = c == '\\' && !escaped;
         }
@@ -264,22 +264,26 @@ fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<TokenKind> {
     Some(TokenKind::Wide(value as i64, width))
 }
 
-/// Text in quotes as it is meant: `\n` is the end of a line.
-pub(super) fn unescaped(text: &str) -> String {
-    let mut out = String::new();
+/// The bytes of a text in quotes: `\n` is the end of a line, `\xff` one byte.
+pub(super) fn unescaped(text: &str) -> Vec<u8> {
+    let mut out = Vec::new();
+    let push = |c: char, out: &mut Vec<u8>| {
+        out.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes());
+    };
     let mut rest = text.chars();
     while let Some(c) = rest.next() {
         let (radix, first) = match c {
             '\\' => match rest.next() {
                 Some('x') => (16, None),
                 Some(digit @ '0'..='7') => (8, Some(digit)),
-                other => {
-                    out.extend(other.map(escaped));
+                Some(other) => {
+                    push(escaped(other), &mut out);
                     continue;
                 }
+                None => continue,
             },
             c => {
-                out.push(c);
+                push(c, &mut out);
                 continue;
             }
         };
@@ -294,7 +298,7 @@ pub(super) fn unescaped(text: &str) -> String {
         let read = digits.len() - usize::from(first.is_some());
         rest.by_ref().take(read).for_each(drop);
         let code = u32::from_str_radix(&digits, radix).ok();
-        out.extend(code.and_then(char::from_u32));
+        out.extend(code.map(|code| code as u8));
     }
     out
 }

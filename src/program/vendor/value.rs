@@ -312,6 +312,13 @@ impl Value {
         if let Some(made) = Self::of_texts(operator, left, right) {
             return made;
         }
+        let are_compared = matches!(
+            (left, right),
+            (Self::Text(_), Self::Text(_)) | (Self::List(_), Self::List(_))
+        );
+        if are_compared && let Some(found) = left.compared(operator, right) {
+            return Ok(found);
+        }
         let names = |value: &Self| match value {
             Symbol(name) => Some(vec![name.clone()]),
             Symbols(names) => Some(names.clone()),
@@ -374,11 +381,6 @@ impl Value {
             }
             (Whole(_) | Wide(..), Pointer(..)) if operator == "+" => {
                 Self::binary(operator, right, left)?
-            }
-            (Self::Text(_), Self::Text(_)) | (Self::List(_), Self::List(_))
-                if left.compared(operator, right).is_some() =>
-            {
-                left.compared(operator, right).unwrap_or(Whole(0))
             }
             _ if matches!(operator, "==" | "!=") => {
                 Self::flag((left == right) == (operator == "=="))

@@ -73,8 +73,9 @@ impl Description {
         if us > 0.0 {
             refractory(self.memory, rule)?;
         }
-        if let Some((name, value)) = odd_noise(&self.noise) {
-            let what = format!("noise {name} of {value}");
+        if let Some((key, value)) = odd_noise(&self.noise) {
+            // The field that has the key's number.
+            let what = format!("noise {} of {value}", key.replace('-', "_"));
             let help = "give a number in the range that docs/reference.md gives";
             return Err(Odd::new(what, help));
         }

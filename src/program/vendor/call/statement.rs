@@ -54,10 +54,8 @@ impl Machine<'_> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
         let stack = self.stack.clone().filter(|_| name.contains("bitstack"));
         if let Some(Value::Text(title)) = stack.as_ref().or(values.get(1)) {
-            let own = self.files.own(place);
-            let (line, _) = crate::config::line_column(self.text, own.start);
             self.titles
-                .entry(line)
+                .entry(self.files.line(self.text, place))
                 .or_default()
                 .insert(title.to_string());
         }
