@@ -25,6 +25,17 @@ pub struct Reading {
     pub values: Readings,
 }
 
+impl Reading {
+    /// Where that operation is written: `line 7`, or `part.hpp:3` in an included file.
+    #[must_use]
+    pub fn stands(&self) -> String {
+        match &self.origin {
+            Some(origin) => origin.to_string(),
+            None => format!("line {}", self.line),
+        }
+    }
+}
+
 /// Values that the host read, in the chip's order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Readings {

@@ -20,8 +20,5 @@ pub fn line(reading: &Reading) -> String {
         Readings::Sum(sum) => format!("sum {sum}"),
         Readings::Any(any) => format!("any {any}"),
     };
-    match &reading.origin {
-        Some(origin) => format!("{origin}: {what}"),
-        None => format!("line {}: {what}", reading.line),
-    }
+    format!("{}: {what}", reading.stands())
 }

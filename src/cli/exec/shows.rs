@@ -35,21 +35,14 @@ impl<'a> Shows<'a> {
             let Some(picture) = picture(&reading.values, chip) else {
                 continue;
             };
-            let line = match &reading.origin {
-                Some(origin) => plain(origin),
-                None => format!("line-{}", reading.line),
-            };
+            let line = plain(&reading.stands());
             let again = lines.iter().filter(|it| **it == line).count();
             lines.push(line.clone());
             let again = match again {
                 0 => String::new(),
                 again => format!("-{}", again + 1),
             };
-            let called_at = match &reading.origin {
-                Some(origin) => origin.to_string(),
-                None => format!("line {}", reading.line),
-            };
-            let title = self.opened.program.titles.get(&called_at);
+            let title = self.opened.program.titles.get(&reading.stands());
             let title = title.map_or_else(String::new, |title| format!("-{}", plain(title)));
             let name = format!("{line}{again}{title}-frame-{index:04}.png");
             let path = folder.join(name);
