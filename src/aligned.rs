@@ -13,7 +13,10 @@ use crate::plane::{Plane, Size};
 ///
 /// Planes that lie whole pages apart take each other's place in the cache next to a core, and
 /// a store to one holds up loads from another: eight that are so far apart share it evenly.
-const STAGGER: usize = 4096 / 8 + 64;
+const STAGGER: usize = PAGE / 8 + 64;
+
+/// Bytes of a page.
+const PAGE: usize = 4096;
 
 /// Bytes of a cache line, at which planes begin: a vector that lies across two lines costs twice.
 pub(crate) const LINE: usize = 64;
@@ -33,7 +36,13 @@ impl<T: Clone> Aligned<T> {
     /// The plane number `k`, filled with `value`.
     pub(crate) fn new(k: usize, value: T, cells: usize) -> Self {
         let size = size_of::<T>().max(1);
-        let (stagger, slack) = (k * STAGGER % 4096 / size, LINE / size);
+        // What is smaller than a page lies beside its neighbours anyway.
+        let stagger = if cells * size < PAGE {
+            0
+        } else {
+            k * STAGGER % PAGE / size
+        };
+        let slack = LINE / size;
         let all = vec![value; stagger + slack + cells];
         let to_line = all.as_ptr().align_offset(LINE);
         let lead = stagger + if to_line <= slack { to_line } else { 0 };

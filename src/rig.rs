@@ -38,7 +38,7 @@ pub enum RigError {
     #[error("sensor {name}: {cause}")]
     #[diagnostic(help("{}", cause.help().map_or_else(String::new, |help| help.to_string())))]
     Sensor {
-        /// Which.
+        /// Name of the sensor.
         name: String,
         /// Why.
         #[source]

@@ -8,7 +8,7 @@ use std::{fs, path::Path};
 use amacrine::{
     event::{
         Dropped, Event, Packet, Polarity,
-        file::{self, FileError, Format, Loaded, Opening},
+        file::{self, FileError, Format, Loaded},
     },
     plane::Size,
     unit::Micros,
@@ -463,7 +463,7 @@ fn columns_that_cannot_be_unpacked_are_no_damage() {
         let path = Path::new("tests/bad/event").join(name);
         for error in [
             file::read(&path).unwrap_err(),
-            file::salvage(&path, &Opening::default()).unwrap_err(),
+            file::salvage(&path, &file::Opening::default()).unwrap_err(),
         ] {
             let text = error.to_string();
             let says = "the column `events/t` is stored in a way that is not read";

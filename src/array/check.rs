@@ -55,7 +55,7 @@ pub enum CodeProblem {
     /// A field of the [`Settings`](super::Settings) that no array has.
     #[error("the setting {field} is {value}; {want} was expected")]
     Setting {
-        /// Which.
+        /// Its name.
         field: &'static str,
         /// Its value.
         value: String,

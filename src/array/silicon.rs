@@ -29,10 +29,13 @@ fn split_of(errors: &Errors, seed: u64, number: u8, pixel: u64) -> f32 {
     (errors.division_mismatch * f64::from(drawn)) as f32
 }
 
-/// Where the pixels of an array lie on the chip, which has as many columns or more.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where the pixels of an array lie on the chip: parts of it, equally wide, side by side.
+#[derive(Clone, Debug, PartialEq)]
 struct ChipPosition {
-    at: At,
+    /// The upper left pixel of each part.
+    corners: Vec<At>,
+    /// Columns of a part.
+    across: usize,
     /// Columns of the chip.
     columns: usize,
     /// Columns of the array.
@@ -42,8 +45,15 @@ struct ChipPosition {
 impl ChipPosition {
     /// The number on the chip of a pixel of the array.
     #[inline]
-    const fn pixel(self, y: usize, x: usize) -> usize {
-        (y + self.at.y) * self.columns + x + self.at.x
+    fn pixel(&self, y: usize, x: usize) -> usize {
+        let At { y: down, x: right } = self.corners[x / self.across];
+        (y + down) * self.columns + x % self.across + right
+    }
+
+    /// Whether its rows are the chip's, one after the other.
+    #[inline]
+    const fn is_whole_rows(&self) -> bool {
+        self.corners.len() == 1 && self.width == self.columns
     }
 }
 
@@ -66,18 +76,35 @@ impl Silicon {
     /// The chip of this seed.
     #[must_use]
     pub fn new(errors: Errors, seed: u64, layout: &Layout) -> Self {
-        Self::part(errors, seed, layout, (At { y: 0, x: 0 }, layout.size.width))
+        let whole = [At { y: 0, x: 0 }];
+        Self::parts(errors, seed, layout, &whole, layout.size.width)
     }
 
-    /// A part of the chip of this seed: an array whose upper left pixel lies at this place of a
-    /// chip of so many columns, with the errors that its pixels have there.
+    /// Parts of the chip of this seed, which has so many columns: equally wide arrays side by side
+    /// as one, each with its upper left pixel at one of these places of the chip, and with the
+    /// errors that its pixels have there.
+    ///
+    /// # Panics
+    /// Without a part.
     #[must_use]
-    pub fn part(errors: Errors, seed: u64, layout: &Layout, (at, columns): (At, usize)) -> Self {
+    pub fn parts(
+        errors: Errors,
+        seed: u64,
+        layout: &Layout,
+        corners: &[At],
+        columns: usize,
+    ) -> Self {
         let width = layout.size.width;
-        let position = ChipPosition { at, columns, width };
+        let position = ChipPosition {
+            across: width.div_ceil(corners.len()).max(1),
+            corners: corners.to_vec(),
+            columns,
+            width,
+        };
+        let pixel = |y, x| position.pixel(y, x) as u64;
         let numbers = || {
             let rows = 0..layout.size.height;
-            rows.flat_map(|y| (0..width).map(move |x| position.pixel(y, x) as u64))
+            rows.flat_map(|y| (0..width).map(move |x| pixel(y, x)))
         };
         let draw = |kind, register, pixel| f64::from(normal(hash(seed, kind, register, 0, pixel)));
         let planes = |value: &dyn Fn(u8, u64) -> f64| -> Vec<Vec<f32>> {
@@ -136,7 +163,7 @@ impl Silicon {
         let uneven = |part: u8, split| isa::uneven(part.into(), targets, split);
         Run {
             first,
-            position: self.position,
+            position: &self.position,
             by: share.by as f32,
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
@@ -163,7 +190,7 @@ impl Silicon {
 struct Run<'a> {
     /// The number of the first cell in the array; rows follow each other.
     first: usize,
-    position: ChipPosition,
+    position: &'a ChipPosition,
     by: f32,
     gain: &'a [f32],
     offset: &'a [f32],
@@ -225,16 +252,19 @@ impl Run<'_> {
     /// Draws for cells beside each other, from that number of the run on.
     #[inline(always)]
     fn draw(&self, from: usize, drawn: &mut [u32]) {
-        let (mut at, ChipPosition { columns, width, .. }) = (self.first + from, self.position);
-        if width == columns {
-            return self.draws.draw(self.position.pixel(0, at) as u32, drawn);
+        let (mut at, position) = (self.first + from, self.position);
+        let ChipPosition { across, width, .. } = *position;
+        if position.is_whole_rows() {
+            let first = position.corners[0].y * width;
+            return self.draws.draw((first + at) as u32, drawn);
         }
-        // On the chip the next row does not follow.
+        // On the chip the next row and the next part do not follow.
         let mut rest = drawn;
         while !rest.is_empty() {
             let (y, x) = (at / width, at % width);
-            let (row, more) = rest.split_at_mut((width - x).min(rest.len()));
-            self.draws.draw(self.position.pixel(y, x) as u32, row);
+            let left = (across - x % across).min(width - x);
+            let (row, more) = rest.split_at_mut(left.min(rest.len()));
+            self.draws.draw(position.pixel(y, x) as u32, row);
             at += row.len();
             rest = more;
         }

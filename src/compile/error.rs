@@ -91,7 +91,7 @@ pub enum CompileError {
     #[error("{field}: {what}")]
     #[diagnostic(help("{help}"))]
     Field {
-        /// Which.
+        /// Its name.
         field: &'static str,
         /// What is wrong with it.
         what: String,

@@ -28,7 +28,7 @@ pub const CHANGES_NOTHING: &str = "changes nothing";
 pub struct Fault {
     /// What is wrong.
     pub message: String,
-    /// Where.
+    /// Where in the text.
     pub place: Place,
     /// What stands there.
     pub label: String,

@@ -30,18 +30,19 @@ impl FigureError {
     }
 }
 
-/// A chip, read from `isa/<name>/` and checked.
+/// A chip, read from `isa/<name>/` and checked. Copies share its lists: a sample of an array is many
+/// small arrays of one chip.
 #[derive(Clone, Debug)]
 pub struct Device {
     pub(super) name: String,
     pub(super) title: String,
     pub(super) registers: Registers,
     /// In the order of [`Figure::ALL`].
-    pub(super) figures: Vec<Quantity>,
-    pub(super) primitives: Vec<PrimitiveRow>,
-    pub(super) hosts: Vec<HostRow>,
-    pub(super) macros: Vec<Macro>,
-    pub(super) left_out: Vec<LeftOut>,
+    pub(super) figures: Arc<Vec<Quantity>>,
+    pub(super) primitives: Arc<Vec<PrimitiveRow>>,
+    pub(super) hosts: Arc<Vec<HostRow>>,
+    pub(super) macros: Arc<Vec<Macro>>,
+    pub(super) left_out: Arc<Vec<LeftOut>>,
     /// The chip that it extends.
     pub(super) base: Option<Arc<Device>>,
 }
@@ -128,7 +129,7 @@ impl Device {
             return Err(FigureError { figure, value });
         }
         // Loading fills the list in the order of the enum.
-        let quantity = &mut self.figures[figure as usize];
+        let quantity = &mut Arc::make_mut(&mut self.figures)[figure as usize];
         quantity.value = value;
         "set for this run".clone_into(&mut quantity.source);
         quantity.evidence = Evidence::Guess;

@@ -15,17 +15,17 @@ impl Device {
             let number = quantity(self.figure(*figure));
             line(&mut text, format_args!("{figure:?} {number}"));
         }
-        for row in &self.primitives {
+        for row in self.primitives() {
             let (cost, clock) = (quantity(&row.cost), row.clock);
             line(&mut text, format_args!("{:?} {cost} {clock:?}", row.kind));
             signatures(&mut text, &row.forms);
         }
-        for row in &self.hosts {
+        for row in self.hosts() {
             let (call, item) = (quantity(&row.call), row.item.as_ref().map(quantity));
             line(&mut text, format_args!("{:?} {call} {item:?}", row.kind));
             signatures(&mut text, &row.forms);
         }
-        for it in &self.macros {
+        for it in self.macros() {
             signatures(&mut text, std::slice::from_ref(&it.signature));
             let (host, gives, flag) = (it.host, &it.gives, it.whole_flag);
             line(&mut text, format_args!("{host} {gives:?} {flag}"));

@@ -37,7 +37,7 @@ pub enum HeaderError {
     /// A field is not as it should be.
     #[error("its header's {field} is {got}; expected {want}")]
     Field {
-        /// Which.
+        /// Its name.
         field: &'static str,
         /// What it is.
         got: String,

@@ -9,7 +9,7 @@ use crate::isa::{Device, Evidence, HostKind, Quantity};
 /// Calls of one operation of the host.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HostCalls {
-    /// Which.
+    /// The operation.
     pub kind: HostKind,
     /// How often it is called.
     pub calls: f64,

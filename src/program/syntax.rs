@@ -51,7 +51,7 @@ pub enum Node {
     Repeat {
         /// How often.
         times: Expression,
-        /// What.
+        /// The statements that are repeated.
         body: Vec<Item>,
     },
     /// A kernel of vendor C++, launched.

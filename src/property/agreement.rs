@@ -66,7 +66,7 @@ pub enum Disagreement {
     #[error("{what}: {why}")]
     #[diagnostic(help("mend the program or the sensor first; both must run on the scenes' size"))]
     Broken {
-        /// Which.
+        /// Name of the program or the sensor.
         what: String,
         /// What it says.
         why: String,

@@ -137,7 +137,7 @@ pub enum CellsError {
     #[error("{}", each(all, ToString::to_string))]
     #[diagnostic(help("{}", each(all, help)))]
     Several {
-        /// Which.
+        /// Every reason.
         all: Vec<Self>,
     },
 }

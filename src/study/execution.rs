@@ -129,7 +129,7 @@ impl<'a> Execution<'a> {
         let chips = self.chips();
         let full = chips.machine();
         let lies = (At { y: 0, x: 0 }, size.width);
-        chips.chip(machine.unwrap_or(&full), size, lies)
+        chips.chip(machine.unwrap_or(&full), size, (&[lies.0], lies.1))
     }
 
     /// The steps of the frames, without those that are others' again.

@@ -28,7 +28,7 @@ pub enum FileError {
         }
     ))]
     Extension {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What it ends in.
         extension: String,
@@ -42,7 +42,7 @@ pub enum FileError {
         names.split(", ").next().unwrap_or_default()
     ))]
     Ambiguous {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What it ends in.
         extension: String,
@@ -53,14 +53,14 @@ pub enum FileError {
     #[error("{}: neither the extension nor the first bytes say what kind of event file this is", path.display())]
     #[diagnostic(help("say which with `amacrine convert --from NAME`"))]
     Unknown {
-        /// Which file.
+        /// The file.
         path: PathBuf,
     },
     /// The format needs a feature that this program was built without.
     #[error("{}: this amacrine was built without {format}", path.display())]
     #[diagnostic(help("build it with `--features {format}`"))]
     NotBuilt {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// Which format, and feature.
         format: Format,
@@ -69,7 +69,7 @@ pub enum FileError {
     #[error("{}: {cause}", path.display())]
     #[diagnostic(help("give a file that exists and can be read"))]
     Unreadable {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What the system said.
         #[source]
@@ -79,7 +79,7 @@ pub enum FileError {
     #[error("{}: compression {} was asked for, and {format} is written in one way only", path.display(), compression.name())]
     #[diagnostic(help("leave the compression out (--compression), or write .aedat4"))]
     OneWay {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// Which format.
         format: Format,
@@ -90,7 +90,7 @@ pub enum FileError {
     #[error("{}: the file says that its sensor is {said}, and the size {asked} was given", path.display())]
     #[diagnostic(help("leave the size out (--size): it is for files that do not say theirs"))]
     OtherSize {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The size in the file.
         said: Size,
@@ -101,7 +101,7 @@ pub enum FileError {
     #[error("{}: it has no stream of events of number {stream}", path.display())]
     #[diagnostic(help("{}", streams(known)))]
     NoStream {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// The number that was asked for.
         stream: i32,
@@ -112,7 +112,7 @@ pub enum FileError {
     #[error("{}:{place}: {fault}", path.display())]
     #[diagnostic(help("{}{}", fault.help(), if *opened { fault.kept() } else { "" }))]
     Bad {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// Where in it.
         place: Place,
@@ -126,7 +126,7 @@ pub enum FileError {
     #[error("cannot write {}: event {event}: {fault}", path.display())]
     #[diagnostic(help("{}", fault.help()))]
     Unwritable {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// Number of the event, from 0.
         event: u64,

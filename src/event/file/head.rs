@@ -15,7 +15,7 @@ pub enum Compression {
     Lz4,
     /// Zstandard: smaller; not all readers know it.
     Zstd,
-    /// As it is.
+    /// Not compressed.
     None,
 }
 

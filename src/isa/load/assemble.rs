@@ -36,11 +36,11 @@ pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         name: top.device.name.value.clone(),
         title: top.device.title.clone(),
         registers,
-        figures,
-        primitives,
-        hosts,
-        macros,
-        left_out,
+        figures: figures.into(),
+        primitives: primitives.into(),
+        hosts: hosts.into(),
+        macros: macros.into(),
+        left_out: left_out.into(),
         base,
     };
     let last = layers.len() - 1;
@@ -111,11 +111,11 @@ fn below(device: &Device, layers: usize) -> Option<&Device> {
 /// Leaves out the macros from below the `top` layer that need what the chip does not have, and those
 /// that call them. What a parameter is where nothing is given has to be given, if it is not there.
 fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
-    let mut macros = std::mem::take(&mut device.macros);
+    let mut macros = Vec::clone(&device.macros);
     for (it, _) in { macros.iter_mut().zip(&*owners) }.filter(|(_, owner)| **owner != top) {
         macros::without_defaults(device, it);
     }
-    device.macros = macros;
+    device.macros = macros.into();
     loop {
         let lacks: Vec<Option<String>> = { device.macros.iter().zip(&*owners) }
             .map(|(it, owner)| {
@@ -126,17 +126,21 @@ fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
         if lacks.iter().all(Option::is_none) {
             return;
         }
-        let all = std::mem::take(&mut device.macros).into_iter();
+        let all = Arc::unwrap_or_clone(std::mem::take(&mut device.macros));
         let before = std::mem::take(owners).into_iter();
-        for ((it, owner), lacks) in all.zip(before).zip(lacks) {
+        let (macros, left_out) = (
+            Arc::make_mut(&mut device.macros),
+            Arc::make_mut(&mut device.left_out),
+        );
+        for ((it, owner), lacks) in all.into_iter().zip(before).zip(lacks) {
             if let Some(lacks) = lacks {
-                device.left_out.push(LeftOut {
+                left_out.push(LeftOut {
                     name: it.signature.name.clone(),
                     lacks,
                     it: Some(it),
                 });
             } else {
-                device.macros.push(it);
+                macros.push(it);
                 owners.push(owner);
             }
         }

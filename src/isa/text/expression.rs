@@ -58,7 +58,7 @@ impl Argument {
 pub struct Expression {
     /// What is written.
     pub term: Term,
-    /// Where.
+    /// Where in the text.
     pub place: Place,
 }
 
@@ -73,7 +73,7 @@ pub enum Term {
     Negate(Box<Expression>),
     /// `a + b` and its kin.
     Binary {
-        /// Which.
+        /// What is done with the two.
         operator: Operator,
         /// Left of it.
         left: Box<Expression>,

@@ -7,7 +7,7 @@ use super::Way;
 /// One way to read a frame's events.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Which.
+    /// The way.
     pub way: Way,
     /// Calls of the host's operation.
     pub calls: u64,

@@ -95,7 +95,7 @@ pub(super) enum TemplateArgument {
 /// What a number becomes when it is stored, and which register a name may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// As it is.
+    /// Stored as it is.
     Any,
     /// 0 or 1.
     Flag,

@@ -20,7 +20,7 @@ pub struct Candidate {
     pub to: Quantiser,
     /// What the program remembers, in words.
     pub memory: String,
-    /// The same.
+    /// What it remembers, as the compiler takes it.
     #[serde(skip)]
     pub remembers: DriveMemory,
     /// What of F1 is more than accident with the chip's errors, the mean of its kinds that have

@@ -103,7 +103,7 @@ pub struct Ranges {
 /// One chip.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct DrawnChip {
-    /// Which.
+    /// Its number, from 0.
     pub chip: u64,
     /// The seed of its mismatch and noise.
     pub seed: u64,

@@ -20,7 +20,7 @@ const MISMATCH: u64 = 2;
 /// One chip of those that the public data allow.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Drawn {
-    /// Which.
+    /// Its number, from 0.
     pub chip: u64,
     /// The seed of its mismatch and of its noise.
     pub seed: u64,

@@ -11,7 +11,7 @@ use crate::{
 /// One way to read a frame's events.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ReadoutPlan {
-    /// Which.
+    /// The way.
     pub plan: Way,
     /// Slots for each sign; none where no slots are asked for.
     pub slots: Option<u64>,

@@ -5,7 +5,7 @@ use super::estimate::ChangeEstimate;
 /// Something that could be left out.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Offer<M> {
-    /// What.
+    /// What is left out, in words.
     pub what: String,
     /// The model that does without it.
     pub model: M,

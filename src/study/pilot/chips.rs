@@ -104,7 +104,8 @@ impl Chips<'_> {
         plain.chain(terms).collect()
     }
 
-    /// A machine of this size, its upper left pixel at this place of an array of so many columns.
+    /// A machine of this size: equally wide parts side by side, the upper left pixels of which lie
+    /// at these places of an array of so many columns.
     ///
     /// # Errors
     /// When the program cannot run there.
@@ -112,7 +113,7 @@ impl Chips<'_> {
         &self,
         machine: &Machine,
         size: Size,
-        lies: (At, usize),
+        (corners, columns): (&[At], usize),
     ) -> Result<Box<dyn Array + Send>, CodeError> {
         let Self {
             name, code, device, ..
@@ -128,7 +129,7 @@ impl Chips<'_> {
         for term in &machine.without {
             term.leave_out(&mut errors);
         }
-        let domain = Silicon::part(errors, seed, &Layout::new(device, size), lies);
+        let domain = Silicon::parts(errors, seed, &Layout::new(device, size), corners, columns);
         let chip = Chip::new(name, domain, code, device, size, self.settings)?;
         Ok(Box::new(chip))
     }
@@ -162,25 +163,22 @@ impl Family for Chips<'_> {
     }
 
     /// An array for each tile: what lies off the array is a register's edge, which no light makes.
-    /// Where a cell's place says nothing, tiles inside the sensor that lie side by side in the mosaic
-    /// are one array: their halos keep them apart, and long rows are worked on faster.
+    /// Tiles inside the sensor that lie side by side in the mosaic are one array: their halos keep
+    /// them apart, and one array of long rows is worked on faster than many small ones.
     fn on_tiles(
         &self,
         model: &Machine,
         mosaic: &Mosaic,
     ) -> Result<Box<dyn Sensor + Send>, SensorError> {
         let columns = mosaic.whole().width;
-        let most = if model.format.is_some() {
-            fewest_slots(&self.code.frame)
-        } else {
-            0
-        };
-        let chips = strips(mosaic, most).into_iter().map(|(rows, across, at)| {
-            let size = Size::new(rows.len(), across.len());
-            let chip = self.chip(model, size, (at, columns));
+        let most = fewest_slots(&self.code.frame);
+        let strips = strips(mosaic, most).into_iter();
+        let chips = strips.map(|strip| {
+            let size = Size::new(strip.rows.len(), strip.across.len());
+            let chip = self.chip(model, size, (&strip.corners, columns));
             let chip = chip.map_err(|why| stopped(self.name, &why))?;
             Ok(Part {
-                at: (rows.start, across.start),
+                at: (strip.rows.start, strip.across.start),
                 seen: Packet::new(size, chip.channels()),
                 chip,
             })
@@ -243,7 +241,7 @@ impl Family for Chips<'_> {
     }
 
     fn whole(&self, model: &Machine, size: Size) -> Result<Box<dyn Sensor + Send>, SensorError> {
-        let chip = self.chip(model, size, (At { y: 0, x: 0 }, size.width));
+        let chip = self.chip(model, size, (&[At { y: 0, x: 0 }], size.width));
         match chip {
             Ok(chip) => Ok(Box::new(chip)),
             Err(why) => Err(stopped(self.name, &why)),
@@ -259,30 +257,42 @@ impl Family for Chips<'_> {
     }
 }
 
-/// Rows and columns of a mosaic, and where the first of them lies in the plane.
-type PlacedCrop = (Range<usize>, Range<usize>, At);
+/// Tiles of a mosaic that are one array.
+struct Strip {
+    /// Rows and columns of the mosaic.
+    rows: Range<usize>,
+    across: Range<usize>,
+    /// Where the first pixel of each tile lies in the plane.
+    corners: Vec<At>,
+}
 
 /// The windows of the tiles of a mosaic. Neighbours that lie wholly inside the plane are one, of at
 /// most so many pixels, so that no slot is missing that a tile has by itself.
-fn strips(mosaic: &Mosaic, most: usize) -> Vec<PlacedCrop> {
-    let mut strips: Vec<(PlacedCrop, bool)> = Vec::new();
+fn strips(mosaic: &Mosaic, most: usize) -> Vec<Strip> {
+    let mut strips: Vec<(Strip, bool)> = Vec::new();
     for tile in 0..mosaic.tiles().len() {
         let Some((rows, columns, at)) = mosaic.window(tile) else {
             continue;
         };
         let inside = mosaic.is_inside(tile);
-        if let Some(((before, across, _), true)) = strips.last_mut()
+        if let Some((before, true)) = strips.last_mut()
             && inside
-            && *before == rows
-            && across.end == columns.start
-            && rows.len() * (columns.end - across.start) <= most
+            && before.rows == rows
+            && before.across.end == columns.start
+            && rows.len() * (columns.end - before.across.start) <= most
         {
-            across.end = columns.end;
+            before.across.end = columns.end;
+            before.corners.push(at);
         } else {
-            strips.push(((rows, columns, at), inside));
+            let strip = Strip {
+                rows,
+                across: columns,
+                corners: vec![at],
+            };
+            strips.push((strip, inside));
         }
     }
-    strips.into_iter().map(|(window, _)| window).collect()
+    strips.into_iter().map(|(strip, _)| strip).collect()
 }
 
 /// The fewest slots of a readout of events in these steps.
@@ -376,15 +386,24 @@ mod tests {
             code.expand(&device, &Overrides::default()).unwrap().code
         };
         let (code, roomy) = (code(300), code(2000));
-        let family = |code| Chips {
+        let chips = |code, arithmetic| Chips {
             name: "strips",
             code,
             device: &device,
             settings: Settings::from_device(&device),
-            arithmetic: Arithmetic::Number(Format::F64),
+            arithmetic,
             reads_all: false,
         };
-        let (family, roomy) = (family(&code), family(&roomy));
+        for arithmetic in [
+            Arithmetic::Number(Format::F64),
+            Arithmetic::Silicon { seed: 5 },
+        ] {
+            strips_are_parts(&chips(&code, arithmetic), &chips(&roomy, arithmetic));
+        }
+    }
+
+    fn strips_are_parts(family: &Chips<'_>, roomy: &Chips<'_>) {
+        let code = family.code;
         let (whole, halo) = (Size::new(40, 48), family.halo().unwrap());
         // At three borders, and inside: neighbours and others.
         let corners = [

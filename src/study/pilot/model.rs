@@ -22,7 +22,7 @@ use super::{
 pub struct Model<'a> {
     /// Of what.
     pub question: &'a Question<'a>,
-    /// Which.
+    /// What it leaves out.
     pub choice: Choice,
     /// What is left of the array.
     pub window: Option<Crop>,

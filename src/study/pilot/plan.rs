@@ -90,7 +90,7 @@ impl Question<'_> {
 /// What a rule allows to leave out.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Free {
-    /// What.
+    /// The effect.
     pub what: Effect,
     /// Why it changes nothing.
     pub why: &'static str,

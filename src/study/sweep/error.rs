@@ -56,7 +56,7 @@ pub enum StoreError {
         "the points that are finished are kept: make room or give the folder back its rights, and run the same command again"
     ))]
     Save {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What the system said.
         #[source]
@@ -66,7 +66,7 @@ pub enum StoreError {
     #[error("cannot read {}: {cause}", path.display())]
     #[diagnostic(help("{}", reading(cause)))]
     Unreadable {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What the system said.
         #[source]
@@ -121,7 +121,7 @@ pub enum StoreError {
         "a folder of results holds files and folders of its own: move what is there away, or give another --output; nothing was changed"
     ))]
     Kind {
-        /// Where.
+        /// The folder.
         path: PathBuf,
         /// What stands there.
         found: &'static str,
@@ -192,7 +192,7 @@ pub enum StoreError {
         "delete it and run `amacrine sweep` with its study again: the points are kept, and each is checked"
     ))]
     Damaged {
-        /// Which file.
+        /// The file.
         path: PathBuf,
         /// What is wrong with it.
         why: String,

@@ -14,7 +14,7 @@ pub const MOST_POINTS: u64 = crate::limit::STUDY_POINTS;
 /// One axis of one side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Which.
+    /// The key of the study that it varies.
     pub key: &'static Key,
     /// What it runs through.
     pub values: Values,

@@ -47,11 +47,11 @@ impl Method {
 /// Points in place of the whole grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// How.
+    /// How points are chosen.
     pub method: Method,
     /// How many; the same one may come twice.
     pub points: u64,
-    /// Which.
+    /// Seed of the choice.
     pub seed: u64,
     /// How a search goes on.
     pub search: Option<Search>,

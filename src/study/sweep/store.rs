@@ -75,7 +75,7 @@ pub struct Tables {
 /// Points that were computed by one build on one kind of processor.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ComputedBy {
-    /// Which.
+    /// The build and the processor.
     #[serde(flatten)]
     pub provenance: Provenance,
     /// How many points.
