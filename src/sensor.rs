@@ -160,7 +160,7 @@ pub enum SensorError {
     },
     /// The sensor itself stopped.
     #[error("{sensor} stopped: {why}")]
-    #[diagnostic(help("mend the sensor's program or settings at the place that is named"))]
+    #[diagnostic(help("correct the sensor's program or settings at the place that is named"))]
     Stopped {
         /// Which sensor.
         sensor: String,
@@ -168,9 +168,7 @@ pub enum SensorError {
         why: String,
     },
     /// The sensor did not get through an earlier frame.
-    #[error(
-        "{sensor} did not get through the frame before: some of its cells are past it, others are not"
-    )]
+    #[error("{sensor} failed in an earlier frame, which only some of its cells have processed")]
     #[diagnostic(help(
         "make the sensor anew, or keep a copy of it from before a frame that may fail"
     ))]
@@ -242,9 +240,9 @@ pub enum SensorError {
         seconds: f64,
     },
     /// A frame at a time that events cannot have.
-    #[error("frame {index} is at {seconds:e} s, further from 0 than microseconds are counted")]
+    #[error("frame {index} is at {seconds:e} s, too far from 0 to be counted in microseconds")]
     #[diagnostic(help(
-        "let the scene begin near time 0, and its frames follow each other sooner (--fps): events tell microseconds apart for 71 years, 2^51 us"
+        "let the scene begin near time 0, or raise its frame rate (--fps): event times reach 2^51 us, 71 years"
     ))]
     Epoch {
         /// Which frame.
@@ -262,9 +260,9 @@ pub enum SensorError {
         limit: usize,
     },
     /// The events of a pair of frames have no room, before they are passed on.
-    #[error("a pair of frames has more events than there is memory for: more than {room}")]
+    #[error("one pair of frames has more than {room} events, for which there is no memory")]
     #[diagnostic(help(
-        "allow more with --max-memory SIZE, raise the thresholds, or put frames in (--upsample); `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop"
+        "allow more with --max-memory SIZE, raise the thresholds, or insert frames (--upsample); `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop"
     ))]
     PairFull {
         /// How many events there is room for.
@@ -272,10 +270,10 @@ pub enum SensorError {
     },
     /// Weights times light that the number format cannot hold.
     #[error(
-        "what the cell at x = {x}, y = {y} of channel {channel} sees is beyond the largest number of the format {format}"
+        "the filtered signal of the cell at x = {x}, y = {y} of channel {channel} exceeds the largest number of the format {format}"
     )]
     #[diagnostic(help(
-        "use a wider format, or smaller weights, or a response that makes less of this light"
+        "use a wider format, smaller weights, or a response with smaller values for this light"
     ))]
     Overflow {
         /// Kind of cell.
@@ -289,10 +287,10 @@ pub enum SensorError {
     },
     /// A threshold that is so small that a memory's steps cannot be counted in it.
     #[error(
-        "a threshold of channel {channel} is {threshold:e}, too small for the format {format}: one over it is infinite, and thresholds crossed cannot be counted"
+        "a threshold of channel {channel} is {threshold:e}, too small for the format {format}: its reciprocal is infinite, so crossings cannot be counted"
     )]
     #[diagnostic(help(
-        "give {} or more, or a response that makes more of light, with thresholds larger by as much",
+        "give {} or more, or scale response and thresholds up together",
         five_digits(*least)
     ))]
     Threshold {
@@ -307,7 +305,7 @@ pub enum SensorError {
     },
     /// More steps of a memory than are counted.
     #[error(
-        "the memory of the cell at x = {x}, y = {y} of channel {channel} is 2^30 thresholds or more from where it began"
+        "the memory of the cell at x = {x}, y = {y} of channel {channel} is 2^30 thresholds or more from its first value"
     )]
     #[diagnostic(help(
         "the thresholds are too small for this light: raise them, or check the response"

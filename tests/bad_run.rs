@@ -155,11 +155,11 @@ fn options() {
     );
     says(
         &refused(SCENE, SENSOR, &["--max-events", "10"]),
-        &["--max-events 10 without --events", "add --events FILE"],
+        &["--max-events 10 needs --events", "add --events FILE"],
     );
     says(
         &refused(SCENE, SENSOR, &["--when-full", "drop"]),
-        &["--when-full without --events", "add --events FILE"],
+        &["--when-full needs --events", "add --events FILE"],
     );
     says(
         &refused(SCENE, SENSOR, &["--fidelity", "full", "--tolerance", "5%"]),

@@ -12,7 +12,7 @@ use amacrine::reference::Description;
 /// File, line, column, how the message begins, how the advice begins.
 #[rustfmt::skip]
 const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
-    ("authors_refractory_that_snaps", 3, 14, "the authors' refractory rule counts the steps of a memory, and this memory snaps", "use rule = \"dead-time\", or memory = \"filtered-step\""),
+    ("authors_refractory_that_snaps", 3, 14, "refractory rule = \"authors\" counts the steps of a memory, but this memory snaps", "use rule = \"dead-time\", or memory = \"filtered-step\""),
     ("channel_is_a_table", 4, 1, "`channel` takes a list, this is a table", "write [[channel]], in two brackets, once for each of them"),
     ("damaged_array", 5, 10, "kernel file truncated.npy: missing 20 bytes of data specified in header", "give an array of shape (k,k), (K,k,k) or (K,1,k,k)"),
     ("damaged_kernel_file", 5, 10, "kernel file kernel_without_weights.txt:1:1: missing key `weights`, `centre-surround`", "a kernel file is TOML with one of `weights`,"),
@@ -27,7 +27,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("kernel_is_a_number", 5, 10, "`kernel` takes rows of numbers, such as [[0, -1, 0], [-1, 4, -1], [0, -1, 0]], or the name of a", "docs/reference.md lists every key of a sensor file"),
     ("kernel_of_words", 5, 10, "`kernel` takes rows of numbers, such as [[0, -1, 0], [-1, 4, -1], [0, -1, 0]], or the name of a", "docs/reference.md lists every key of a sensor file"),
     ("kernels_without_pattern", 5, 10, "several kernels in one channel", "add pattern = \"2x2\" for four kernels, or one [[channel]]"),
-    ("leak_of_pixels", 5, 11, "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels", "use memory = \"filtered-snap\" or \"filtered-step\", or leave"),
+    ("leak_of_pixels", 5, 11, "noise.leak-hz is in thresholds of the filtered signal, but this memory holds pixels", "use memory = \"filtered-snap\" or \"filtered-step\", or leave"),
     ("leak_under_the_authors_rule", 6, 11, "noise.leak-hz moves the memory between frames, which the authors' refractory rule does", "use rule = \"dead-time\", or leave the leak out"),
     ("log_temporal_of_pixels", 6, 16, "log-temporal is the logarithm of the filtered signal, and this memory holds pixels", "use memory = \"filtered-step\" or \"filtered-snap\", or leave"),
     ("log_without_offset", 1, 20, "missing key `offset`", "add it, such as offset = 1e-5"),
@@ -51,9 +51,9 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("one_sided_threshold", 6, 13, "missing key `off`", "add it, such as off = 0.2"),
     ("pattern_without_four_kernels", 5, 10, "pattern = \"2x2\" needs four kernels", "give kernel = [k0, k1, k2, k3]; the pixel at (x, y) uses"),
     ("pattern_without_four_thresholds", 7, 13, "pattern = \"2x2\" needs four thresholds", "give threshold = [{ … }, { … }, { … }, { … }]"),
-    ("pixel_polarity_that_steps", 3, 12, "polarity = \"pixel\" needs the pixel as it was when the cell last fired, and a memory that", "use polarity = \"filtered\", or memory = \"raw-snap\" or"),
-    ("pixel_step_that_runs_away", 6, 17, "a pixel memory stepped by filtered thresholds runs away through this kernel: what an", "use memory = \"filtered-step\" or \"raw-snap\", which are"),
-    ("pixel_step_with_its_sign_turned", 6, 17, "a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to 2.00 times", "use memory = \"filtered-step\""),
+    ("pixel_polarity_that_steps", 3, 12, "polarity = \"pixel\" needs the pixel's value at the last event, which a memory that", "use polarity = \"filtered\", or memory = \"raw-snap\" or"),
+    ("pixel_step_that_runs_away", 6, 17, "a pixel memory that steps by filtered thresholds is unstable with this kernel: the", "use memory = \"filtered-step\" or \"raw-snap\", which are"),
+    ("pixel_step_with_its_sign_turned", 6, 17, "a pixel memory that steps by filtered thresholds is unstable with this kernel: the difference grows up to 2.00 times", "use memory = \"filtered-step\""),
     ("pixel_step_without_memory_kernel", 4, 1, "memory = \"authors-pixel-step\" needs a memory-kernel", "give the kernel that the memory is seen through (often the"),
     ("ragged_kernel", 5, 10, "row 1 of the kernel has 2 weights, row 0 has 3; all rows must be of one length", "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the"),
     ("seventeen_channels", 68, 1, "`channel` has 17 entries", "give 1 to 16"),

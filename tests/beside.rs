@@ -1179,6 +1179,6 @@ fn texts_that_are_not_shown_are_told_of() {
         let all = [&["exec", "p.cpp", "--image", scene], more].concat();
         json(folder.path(), &all)["notes"].to_string()
     };
-    assert!(notes(&[]).contains("the host posts texts in 2 places, which are not shown: --host"));
+    assert!(notes(&[]).contains("texts that the host posts in 2 places are not shown: --host"));
     assert!(!notes(&["--host"]).contains("not shown"));
 }

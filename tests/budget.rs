@@ -486,7 +486,7 @@ fn lists_end_where_the_memory_does() {
     // A single pair has to fit.
     refused(
         &[&little[..], &["--threshold", "0.001"]].concat(),
-        &["a pair of frames has more events than", "--max-memory"],
+        &["one pair of frames has more than", "--max-memory"],
     );
     assert!(!Path::new(&out).exists());
     // And no more than were asked for.

@@ -373,9 +373,7 @@ fn the_size_and_where_it_comes_from() {
     for size in ["10x10", "1000x1000"] {
         folder.refused(
             &["b.raw", "c.es", "--size", size],
-            &format!(
-                "b.raw: the file says that its sensor is 640x480, and the size {size} was given"
-            ),
+            &format!("b.raw: the file states the sensor size 640x480, but {size} was given"),
         );
     }
     folder.said(&["b.raw", "c.es", "--size", "640x480"]);
@@ -384,7 +382,7 @@ fn the_size_and_where_it_comes_from() {
     fs::write(folder.path("d.csv"), text).unwrap();
     folder.refused(
         &["d.csv", "e.es", "--size", "10x10"],
-        "d.csv: the file says that its sensor is 64x48, and the size 10x10 was given",
+        "d.csv: the file states the sensor size 64x48, but 10x10 was given",
     );
 }
 
@@ -450,7 +448,7 @@ fn damage_and_what_is_kept() {
     let bytes = fs::read(folder.path("a.npz")).unwrap();
     fs::write(folder.path("cut.npz"), &bytes[..bytes.len() / 2]).unwrap();
     // Nor is it advised.
-    folder.refused(&["cut.npz", "b.csv"], "its members lie stands at its end");
+    folder.refused(&["cut.npz", "b.csv"], "its index is at the end");
     let salvage = ["cut.npz", "b.csv", "--salvage"];
     folder.refused(&salvage, "nothing is kept of it");
     // What is whole, and not read, is no damage: its own advice stands.
@@ -488,7 +486,7 @@ fn refusals() {
         "`jpg` is not a known kind of event file",
     );
     folder.refused(&["one.npy", "a.mcap"], "`amacrine show EVENTS -o NAME.mcap");
-    folder.refused(&["kinds.npy", "a.evt3"], ".evt3 has no place for them");
+    folder.refused(&["kinds.npy", "a.evt3"], ".evt3 stores no kinds");
     folder.refused(
         &["kinds.npy", "a.evt3", "--kind", "3"],
         "there is no kind 3: it has 3 kinds",
@@ -514,7 +512,7 @@ fn refusals() {
         folder.refused(
             &["one.npy", "a.csv", "--compression", compression],
             &format!(
-                "a.csv: compression {compression} was asked for, and csv is written in one way only"
+                "a.csv: compression {compression} was asked for, but csv has no choice of compression"
             ),
         );
     }

@@ -284,7 +284,7 @@ fn what_cannot_be_designed_is_said() {
     ask(&[], &["a rate of events, or thresholds", "--rate"]);
     ask(
         &["--rate", "1e9"],
-        &["4096 times as high", "fires once a frame at most"],
+        &["4096 times as high", "fires at most once per frame"],
     );
     ask(&["--threshold", "1,2"], &["2 thresholds for 1 kernel"]);
     ask(
@@ -298,7 +298,7 @@ fn what_cannot_be_designed_is_said() {
     ask(&["--threshold", "8", "--pick", "9"], &["--pick 9", "rows"]);
     ask(
         &["--threshold", "8", "--memory", "bits:1"],
-        &["the chip takes none of these"],
+        &["none of these choices gives a program for this chip"],
     );
     assert_eq!(folder.read_dir().unwrap().count(), 0);
     ask(
@@ -678,7 +678,7 @@ fn what_few_events_decide_is_warned_of() {
     };
     let (warned, events) = few("sobel-x", "160");
     let warned = warned.unwrap_or_else(|| panic!("of {events:?} events"));
-    let seen = format!("the float sensor has {} events, ", events[0]);
+    let seen = format!("the float sensor has only {} events, ", events[0]);
     assert_eq!(warned["subjects"], serde_json::json!(["what is kept"]));
     assert!(
         warned["seen"].as_str().unwrap().starts_with(&seen),

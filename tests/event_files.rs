@@ -351,7 +351,7 @@ const BAD: [(&str, &str); 39] = [
     ),
     (
         "undeclared_channel.csv",
-        ":3:1: the event is of channel 2, and there are 2, counted from 0",
+        ":3:1: the event has channel 2, but there are only 2, counted from 0",
     ),
     (
         "size_too_large.csv",
@@ -373,7 +373,7 @@ const BAD: [(&str, &str); 39] = [
     ("few_fields.txt", ":1:1: expected 4 fields, found 3"),
     (
         "e2vid_size.txt",
-        ":1:1: the first line has two numbers, as that of a file for E2VID, the size of the sensor",
+        ":1:1: the first line has two numbers, like the sensor size in a file for E2VID",
     ),
     (
         "evt4.raw",

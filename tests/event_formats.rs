@@ -332,7 +332,7 @@ fn the_edges_of_every_format() {
                 ..packet.clone()
             };
             let error = file::write_as(&path, format, Compression::Lz4, &several).unwrap_err();
-            let says = format!(".{format} has no place for them");
+            let says = format!(".{format} stores no kinds");
             assert!(error.to_string().contains(&says), "{error}");
         }
     }

@@ -637,17 +637,17 @@ fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
         (
             snap,
             &["--domain", "q7.9"][..],
-            [light, "cut off", change, "q8.8"],
+            [light, "clipped", change, "q8.8"],
         ),
         (
             snap,
             &["--domain", "q7.9", "--clip", "on"],
-            [light, "cut off", change, "q8.8"],
+            [light, "clipped", change, "q8.8"],
         ),
         (
             snap,
             &["--domain", "q7.9", "--repeat", "2"],
-            [light, "cut off", change, "q8.8"],
+            [light, "clipped", change, "q8.8"],
         ),
         (
             snap,
@@ -655,7 +655,7 @@ fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
             [
                 "q4.4-wrap holds -8 to 7.938 LSB, and not the -127 LSB",
                 ", nor the 10 LSB that line 4 loads",
-                "at the other end",
+                "wrap around",
                 "q8.8",
             ],
         ),
@@ -672,7 +672,7 @@ fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
         (
             "get_image(A);",
             &["--domain", "q7.25"],
-            ["-64 to 64 LSB", "cut off", change, "q8.24"],
+            ["-64 to 64 LSB", "clipped", change, "q8.24"],
         ),
         (
             "const t = 3;\nscamp5_in(A, t);",
@@ -690,7 +690,7 @@ fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
             assert!(text.contains(part), "{more:?}: {part:?} in {text}");
         }
         assert_eq!(text.matches("warning: ").count(), 1, "{more:?}: {text}");
-        for wrong in ["lower the threshold", "make light", "is small against"] {
+        for wrong in ["lower the threshold", "reduce light", "changes too little"] {
             assert!(!text.contains(wrong), "{more:?}: {wrong} in {text}");
         }
     }

@@ -227,10 +227,7 @@ fn a_sensor_that_stopped_half_way_says_so() {
         .unwrap_err();
     assert!(matches!(error, SensorError::Halfway { .. }));
     let said = error.to_string();
-    assert!(
-        said.starts_with("t did not get through the frame before"),
-        "{said}"
-    );
+    assert!(said.starts_with("t failed in an earlier frame"), "{said}");
     let mut again = before;
     again.watch(&frame(1, light), &mut packet).unwrap();
 }
@@ -308,7 +305,7 @@ fn what_a_file_cannot_say_code_cannot_either() {
     refused(
         pixels,
         &|it| it.channels[0].memory_kernel = Some(kernel(50.0)),
-        "runs away",
+        "is unstable",
     );
     refused(
         pixels,

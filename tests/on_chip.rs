@@ -158,7 +158,7 @@ fn nothing_that_comes_out_is_warned_of() {
     let ran = common::amacrine(folder, &asked).output().unwrap();
     let said = common::line(&ran.stderr);
     assert!(
-        ran.status.success() && said.contains("next to nothing of the kernel"),
+        ran.status.success() && said.contains("the chip's errors hide the kernel"),
         "{said}"
     );
     // Weights of one size have no digit to spare.
@@ -176,7 +176,7 @@ fn nothing_that_comes_out_is_warned_of() {
     let ran = common::amacrine(folder, &asked).output().unwrap();
     assert!(ran.status.success());
     let said = common::line(&ran.stderr);
-    assert!(!said.contains("next to nothing") && !said.contains("more noise than signal"));
+    assert!(!said.contains("errors hide the kernel") && !said.contains("more noise than signal"));
     // A thousandth of the input is a fifth of what the chip adds.
     kernel(folder, "tiny.npy", &[&[1.0 / 1024.0]]);
     let tiny = ["compile", "tiny.npy", "--filter-only", "--effort", "0.02"];
@@ -581,13 +581,13 @@ fn what_no_program_follows_is_refused_by_every_verb() {
         &["design", "log.toml"],
     ] {
         let words = [
-            "log.toml, channel 1: a program does not take the logarithm of its drive",
+            "log.toml, channel 1: log-temporal cannot run on the chip, which takes no logarithm",
             "without `log-temporal = true`",
         ];
         refused(folder, verb, &words);
     }
     let words = [
-        "own.toml: each kind has a memory of the pixel of its own, which the compiler has for no chip",
+        "own.toml: each kind has its own memory of the pixel, which the compiler supports on no chip",
     ];
     refused(folder, &["compile", "--sensor", "own.toml"], &words);
 }
@@ -604,7 +604,7 @@ fn all_that_is_to_be_mended_is_said_at_once() {
     for (sensor, never) in [
         (
             "csdvs-mesh",
-            "sees through a resistor mesh, which is no program",
+            "has a resistor mesh, which cannot be compiled to a program",
         ),
         ("mosaic", "has a pattern of kernels"),
     ] {
@@ -614,9 +614,9 @@ fn all_that_is_to_be_mended_is_said_at_once() {
     }
     let mended = told("raw-snap");
     for words in [
-        "its events have the sign of the pixel",
+        "its events have the pixel's sign",
         "`polarity = \"filtered\"`",
-        "is not a whole number of 1/4096",
+        "is not a multiple of 1/4096",
         "quantise the kernel with --to",
     ] {
         assert!(mended.contains(words), "{mended}");

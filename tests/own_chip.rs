@@ -185,7 +185,7 @@ fn memories_in_bits_are_warned_of_by_the_threshold_that_the_chip_sets() {
     };
     for threshold in ["64", "69.4", "72", "80"] {
         let (told, events) = told(threshold);
-        let warned = "warning: threshold of kind 0: half a step of its memory is 4.00 LSB, on the chip its threshold is ";
+        let warned = "warning: threshold of kind 0: half a step of its memory is 4.00 LSB, its threshold on the chip ";
         assert!(told.contains(warned), "{threshold}: {told}");
         assert!(events > 300, "{threshold}: {events} events");
         // No other number is advised to those who are nearer.
@@ -219,7 +219,7 @@ fn what_a_refused_memory_in_bits_is_advised_serves_on_the_chip() {
     let folder = folder.path();
     let (made, told) = in_bits(folder, "sobel-x", "64", "bits:2");
     assert!(!made);
-    let none = "on the chip no number of bits serves this threshold";
+    let none = "on the chip no number of bits is enough for this threshold";
     assert!(
         told.contains(none) && !told.contains("--memory bits:"),
         "{told}"
@@ -599,7 +599,7 @@ fn a_scene_larger_than_the_array_is_refused() {
         line(&said.stderr)
     };
     let told = exec(scene);
-    let sizes = "an array of 33x24, and small has 32x24 processors";
+    let sizes = "an array of 33x24, but small has 32x24 processors";
     assert_eq!(told.matches(sizes).count(), 1, "{told}");
     let told = exec("pattern:spot?width=32&height=24&frames=6");
     assert!(!told.contains("processors"), "{told}");

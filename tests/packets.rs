@@ -280,7 +280,7 @@ fn run_offers_the_same_readout() {
     .output()
     .unwrap();
     assert_eq!(alone.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&alone.stderr).contains("--readout without --events"));
+    assert!(String::from_utf8_lossy(&alone.stderr).contains("--readout needs --events"));
 }
 
 #[test]
@@ -397,7 +397,7 @@ fn sizes_are_asked_for_in_order() {
         common::refused_untouched(
             folder.path(),
             &stated,
-            &["e.csv: the file says that its sensor is 16x8, and the size 346x260 was given"],
+            &["e.csv: the file states the sensor size 16x8, but 346x260 was given"],
         );
         let same = [&stated[..stated.len() - 1], &["16x8"]].concat();
         assert_eq!(size(&same), (Some(16), Some(8), Some(true)), "{verb:?}");

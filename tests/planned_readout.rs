@@ -351,7 +351,7 @@ fn what_leaves_nothing_names_what_works() {
         "--effort",
         "0.02",
     ];
-    let words = ["nothing of the kernel", "the nearest that works: --to "];
+    let words = ["hide the kernel", "the nearest that works: --to "];
     let said = refused(folder.path(), &compile, &words);
     let name = said.split("--to ").nth(1).unwrap();
     let name = name.split(',').next().unwrap();

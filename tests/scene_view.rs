@@ -209,12 +209,12 @@ fn what_a_scene_does_not_have_is_refused() {
     for (more, words) in [
         (
             ["--slice", "1s..2s"],
-            vec!["no frame is in the slice", "12 frames at 100 frames/s"],
+            vec!["holds no frame", "12 frames at 100 frames/s"],
         ),
         (
             ["--slice", "10us..20us"],
             vec![
-                "no frame is in the slice 10us..20us",
+                "holds no frame 10us..20us",
                 "the scene has frames before and after it, at 100 frames/s",
             ],
         ),
@@ -223,14 +223,17 @@ fn what_a_scene_does_not_have_is_refused() {
         (["--slice", "a..3"], vec!["`a` is no time"]),
         (
             ["--crop", "22x3"],
-            vec!["a crop of 22x3 from pictures of 21x14"],
+            vec!["the crop 22x3 does not lie within pictures of 21x14"],
         ),
         (["--crop", "2x3+20+0"], vec!["2x3+20+0", "21x14"]),
         (["--crop", "0x3"], vec!["give WIDTHxHEIGHT"]),
         (["--crop", "2x3+1"], vec!["give WIDTHxHEIGHT"]),
         (
             ["--resize", "42x28"],
-            vec!["pictures of 21x14 resized to 42x28", "not larger"],
+            vec![
+                "pictures of 21x14 cannot be enlarged to 42x28",
+                "not larger",
+            ],
         ),
     ] {
         refused(at, &[&base[..], &more].concat(), &words);

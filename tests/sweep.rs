@@ -242,7 +242,7 @@ fn a_point_named_twice_is_computed_once() {
         &["sweep", "study.toml", "--output", "out"],
         &[
             "out holds the study \"study\" (1 point), not \"study\" (2 points)",
-            "the light of a scene, a kernel or a chip",
+            "the content of a scene, a kernel or a chip",
             "another --output",
         ],
     );
@@ -346,10 +346,13 @@ fn a_part_of_a_scene_is_a_point_of_its_own() {
     );
     for (set, words) in [
         ("slice=x", "`slice` is `x`"),
-        ("crop=40x40", "a crop of 40x40 from pictures of 32x24"),
-        ("resize=64x64", "resized to 64x64"),
+        (
+            "crop=40x40",
+            "the crop 40x40 does not lie within pictures of 32x24",
+        ),
+        ("resize=64x64", "cannot be enlarged to 64x64"),
         ("resize=x", "`resize` is `x`"),
-        ("slice=9..", "no frame is in the slice 9.."),
+        ("slice=9..", "the slice 9.. holds no frame"),
     ] {
         let key = set.split_once('=').unwrap().0;
         let line = format!("{key} =");
@@ -445,7 +448,7 @@ fn rows_say_what_was_measured() {
     // Sums and halves do not make twenty-fourths.
     let cannot = find(&[("kernel", word("csdvs-5")), ("quantise", word("none"))]);
     let why = cannot["reason"].as_str().unwrap();
-    assert!(why.contains("whole number of 1/4096"), "{why}");
+    assert!(why.contains("multiple of 1/4096"), "{why}");
     assert_eq!(
         (&cannot["outcome"], &cannot["events"]),
         (&word("refused"), &Value::Null)

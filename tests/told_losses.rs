@@ -42,7 +42,7 @@ fn events_in_rows_that_are_not_scanned_are_counted_and_told() {
     );
     assert_eq!(told["dropped"]["no_slot"], 0);
     assert!(
-        text.contains("scans some rows only: 20 of 40 events (50.0 %) lie in others and are lost")
+        text.contains("20 of 40 events (50.0 %) are lost in rows that the readout does not scan")
             && text.contains("--readout planes"),
         "{text}"
     );

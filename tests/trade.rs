@@ -453,7 +453,7 @@ fn what_kept_does_not_say_is_told() {
         &["trade", "--scene", scene, "--sensor", "dvs-v2e"],
     );
     assert!(said.contains("kept says nothing here: within"), "{said}");
-    assert!(said.contains("accident scores 1.000 of 1"), "{said}");
+    assert!(said.contains("chance alone scores 1.000 of 1"), "{said}");
 }
 
 /// A number may overflow in a tile that is not in the sample.

@@ -595,7 +595,7 @@ fn smaller_constructs() {
         "for (int i = 0; i < 6; i++) switch (i) { case 1 ... 3: scamp5_in(A, i); break; case 5: scamp5_in(A, 50); }",
         &[1, 2, 3, 50],
     );
-    refused_for("again: nop(); goto again;", "`goto` is not followed");
+    refused_for("again: nop(); goto again;", "`goto` is not supported");
     refused_for("none = 3; nop();", "`none` is not declared");
     // One fault, not one of the body as well.
     for inside in ["ADD(A);", "scamp5_in(A, ADD(1));"] {
@@ -2542,7 +2542,7 @@ fn mistakes_that_a_compiler_sees() {
     );
 }
 
-/// What of C++ is not followed is named, with its line; a value is only asked for where a variable
+/// What of C++ is not supported is named, with its line; a value is only asked for where a variable
 /// can take one.
 #[test]
 fn what_is_not_followed_is_named() {
@@ -2557,11 +2557,11 @@ fn what_is_not_followed_is_named() {
     };
     told(
         "template <typename T> struct Pair { T a; T b; };\nint main() { Pair<int> p{1, 2}; scamp5_in(A, p.a); }",
-        "`p`, a class template of line 1, which is not followed,",
+        "`p`, a class template of line 1, which is not supported,",
     );
     told(
         "struct B { int x; int get() { return x; } };\nstruct D : public B, C { int y; };\nint main() { D d; scamp5_in(A, d.get()); }",
-        "`d`, a class with several bases of line 2, which is not followed,",
+        "`d`, a class with several bases of line 2, which is not supported,",
     );
     for inside in [
         "scamp5_in(A, m.count(0));",
@@ -2569,12 +2569,12 @@ fn what_is_not_followed_is_named() {
     ] {
         told(
             &format!("int main() {{ std::set<int> m = {{1, 2}}; {inside} }}"),
-            "`m`, a `std::set`, which is not followed,",
+            "`m`, a `std::set`, which is not supported,",
         );
     }
     told(
         "template <typename T> T f(T a) { return a; }\nstruct S { int n; };\ntemplate <> int f<S>(S a) { return 3; }\nint main() { scamp5_in(A, f(2)); }",
-        "a template that is specialised for a class is not followed",
+        "a template that is specialised for a class is not supported",
     );
     told(
         "int main() { if (scamp5_global_or(R5)) { mov(A, B); } }",

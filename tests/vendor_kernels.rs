@@ -577,6 +577,6 @@ fn warnings_of_an_included_file_name_it() {
     };
     assert_eq!(
         one.message,
-        "a.hpp:3:1: `mov2x` needs FLAG to be 1 everywhere, which it may not be since `where` in a.hpp:2"
+        "a.hpp:3:1: `mov2x` needs FLAG to be 1 in all pixels, but it may be 0 in some, since `where` in a.hpp:2"
     );
 }

@@ -254,7 +254,7 @@ for (char c : std::string("ab")) scamp5_in(C, c); std::string t = "xyz"; int n =
     );
 }
 
-/// What is not followed of classes is told for what it is.
+/// What is not supported of classes is told for what it is.
 #[test]
 fn what_is_not_followed_of_classes_is_named() {
     let base = "struct B { int n = 1; int get() { return n; } };\n";
@@ -554,7 +554,7 @@ auto c = counter(5); c(); auto d = c; scamp5_in(B, c()); scamp5_in(B, c()); scam
 fn what_objects_change_that_are_not_followed() {
     let class = "int g = 1; template <class T> struct Log { void add(int& x, int y) { g = 3; x = 4; } };\nint main() { Log<int> l; int a = 1; int b = 2; l.add(a, b);\n";
     for (inside, line) in [("scamp5_in(A, g); }", 3), ("scamp5_in(A, a); }", 3)] {
-        told(&format!("{class}{inside}"), line, "not followed", "");
+        told(&format!("{class}{inside}"), line, "not supported", "");
     }
     numbers(
         "template <class T> struct Log { int n; void add(int& x, int y) { x = 4; } };",
@@ -1096,7 +1096,7 @@ int i = 0; while (i < 10) { if (i > 5) out: break; i++; } scamp5_in(C, i); if (i
     );
 }
 
-/// What is not followed of a text is told, and does not fit is.
+/// What is not supported of a text is told, and does not fit is.
 #[test]
 fn what_texts_do_not_take_is_refused() {
     for (inside, message, help) in [
@@ -1117,12 +1117,12 @@ fn what_texts_do_not_take_is_refused() {
         ),
         (
             "std::string s = \"ab\";\ns.swap_ranges(1); scamp5_in(A, 1);",
-            "`s.swap_ranges` of the text \"ab\" is not followed",
+            "`s.swap_ranges` of the text \"ab\" is not supported",
             "`substr`",
         ),
         (
             "std::string s = \"ab\";\nscamp5_in(A, s.substr(5) == \"\");",
-            "`s.substr` of the text \"ab\" is not followed",
+            "`s.substr` of the text \"ab\" is not supported",
             "no further than its end",
         ),
         (
@@ -1132,12 +1132,12 @@ fn what_texts_do_not_take_is_refused() {
         ),
         (
             "std::string s = \"ab\";\nstd::sort(s.begin() + 1, s.end()); scamp5_in(A, s == \"ab\");",
-            "`sort` over a part of a text is not followed",
+            "`sort` over a part of a text is not supported",
             "all of one text",
         ),
         (
             "std::string s = \"ab\"; auto i = s.begin();\nstd::reverse(i, s.end()); auto j = s.end(); std::reverse(i, j); scamp5_in(A, 1);",
-            "`reverse` over a part of a text is not followed",
+            "`reverse` over a part of a text is not supported",
             "all of one text",
         ),
     ] {
@@ -1152,7 +1152,7 @@ fn what_texts_do_not_take_is_refused() {
     );
 }
 
-/// What is not followed is told by its name.
+/// What is not supported is told by its name.
 #[test]
 fn ends_that_are_seen_and_decltype_are_refused() {
     told(
@@ -1164,7 +1164,7 @@ fn ends_that_are_seen_and_decltype_are_refused() {
     told(
         "int main() { int x = 1;\nconst decltype(x) y = 2; scamp5_in(A, y); }",
         2,
-        "`decltype` is not followed",
+        "`decltype` is not supported",
         "`auto`",
     );
     // A template of any number of types is told where it is called, and nowhere else.
@@ -1172,26 +1172,26 @@ fn ends_that_are_seen_and_decltype_are_refused() {
     told(
         &format!("{any}int main() {{ scamp5_in(A, count(1, 2)); }}"),
         3,
-        "`count` is a template of any number of types, which is not followed",
+        "`count` is a template of any number of types, which is not supported",
         "write a function for each number of arguments",
     );
     numbers(any, "scamp5_in(A, 4);", &[4]);
     told(
         "int main() {\ntry { scamp5_in(A, 1); } catch (...) { }\nnop(); }",
         2,
-        "`try` is not followed",
+        "`try` is not supported",
         "without `try`",
     );
     told(
         "int main() {\nthrow 3;\nnop(); }",
         2,
-        "`throw` is not followed",
+        "`throw` is not supported",
         "leave it out",
     );
     told(
         "struct B { unsigned a : 3; unsigned b : 5; };\nint main() { B b; b.a = 2; scamp5_in(A, b.a); }",
         2,
-        "which `b`, a class with bit fields of line 1, which is not followed, decides",
+        "which `b`, a class with bit fields of line 1, which is not supported, decides",
         "docs/vendor-code.md",
     );
     numbers(

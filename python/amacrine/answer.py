@@ -210,8 +210,8 @@ def told(answer: Answer) -> Answer:
     said: dict[str, str] = {}
     for one in _warnings(answer.to_dict()):
         first, *others = one["subjects"] or ["the run"]
-        alike = f" (alike: {'; '.join(others)})" if others else ""
-        text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
+        also = f" (also: {'; '.join(others)})" if others else ""
+        text = f"{first}: {one['seen']}{also}: {one['why']}\nhelp: {one['change']}"
         said.setdefault(one["about"], text)
     for text in said.values():
         caution(text)

@@ -231,7 +231,7 @@ def test_what_a_format_does_not_hold_of_a_sensor_is_told_of(frames: Frames) -> N
         assert said[0] == said[1] == said[2]
         return said[0]
 
-    assert "in the signals, held in q8.8, lie at the end" in of([[1.0]], "q8.8")
+    assert "in the signals lie at the end of the range of q8.8" in of([[1.0]], "q8.8")
     white = {"linear": 255}
     assert "of the drives (kernel times signal)" in of([[100.0, 100, 100]], "q8.8", white)
     nothing = of([[0.001]], "q8.8", white)

@@ -282,7 +282,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "not dyadic": (lambda: amacrine.Sensor(kernels(1), 0.1).on_chip(), "with to (ternary"),
     "far too high": (
         lambda: amacrine.compile("dvs", 1e9, effort=0.01),
-        "take a lower threshold: 2.4e-7",
+        "lower the threshold to 2.4e-7",
     ),
     "link": (
         lambda: amacrine.feasibility("dvs", 9, link_energy=(5, 1)),

@@ -298,8 +298,8 @@ def test_thresholds_that_no_light_reaches_are_told_of(
     np.save(tmp_path / "light.npy", frames)
     words = ("run", "--sensor", tmp_path / "it.toml", "--scene", tmp_path / "light.npy")
     (told,) = json.loads(program(*words, "--fps", FPS, "--json"))["warnings"]
-    want = f"sensor: {told['seen']}: {told['why']}; {told['change']}"
-    assert "the least is 20: its response makes 0 to 1 of light from 0 to 255" in want
+    want = f"sensor: {told['seen']}: {told['why']}\nhelp: {told['change']}"
+    assert "its lowest threshold, 20, is out of reach: for light from 0 to 255 the response is 0 to 1" in want
     assert 'response = "identity"' in want
     assert _said(lambda: sensor.events(frames, FPS)) == [want]
     identity = amacrine.Sensor("csdvs-3", 20, response="identity")
@@ -323,14 +323,14 @@ def test_silence_of_the_rules_is_told_as_such(frames: Frames) -> None:
     rule = 'refractory = { us = 1000, rule = "authors" }'
     close = RULES.format(memory="filtered-step", polarity="filtered", more=rule, kernel="[[1]]")
     (said,) = _said(lambda: amacrine.Sensor.from_text(close).events(frames, 1000.0))
-    assert "no two frames are further apart than the refractory period" in said
+    assert "the frame interval is not longer than the refractory period" in said
     unsigned = RULES.format(
         memory="raw-snap", polarity="pixel", more="", kernel="[[1, 0, 0]]"
     )
     edge = np.zeros((2, 8, 8), np.uint8)
     edge[1, :, 0] = 100
     (said,) = _said(lambda: amacrine.Sensor.from_text(unsigned).counts(edge, 10.0))
-    assert "its cells cross thresholds (8 crossings), but none has a sign" in said
+    assert "its cells cross thresholds (8 crossings), but emit nothing" in said
 
 
 def test_a_still_scene_that_fires_is_told_of(frames: Frames) -> None:
@@ -339,7 +339,7 @@ def test_a_still_scene_that_fires_is_told_of(frames: Frames) -> None:
     text = RULES.format(memory="authors-pixel-step", polarity="filtered", more=more, kernel="[[1]]")
     still = np.repeat(frames[:1], 3, axis=0)
     sensor = amacrine.Sensor.from_text(text + "memory-kernel = [[0.9]]\n")
-    assert any("a still scene fires" in said for said in _said(lambda: sensor.events(still, FPS)))
+    assert any("cells fire on a still scene" in said for said in _said(lambda: sensor.events(still, FPS)))
     same = amacrine.Sensor.from_text(text + "memory-kernel = [[1]]\n")
     assert not any("still scene" in said for said in _said(lambda: same.events(still, FPS)))
 
@@ -398,7 +398,7 @@ def test_light_of_0_to_1_is_told_of(
         words = ("run", "--sensor", tmp_path / "it.toml", "--scene", tmp_path / "small.npy")
         told = json.loads(program(*words, "--fps", FPS, "--json"))["warnings"]
         stated = next(one for one in told if one["about"] == "scale")
-        want = f"{stated['seen']}: {stated['why']}; give scale=255, or multiply the array"
+        want = f"{stated['seen']}: {stated['why']}\nhelp: give scale=255, or multiply the array"
 
         def of(clip: Any) -> list[str]:
             return [said for said in _said(lambda: sensor.events(clip, FPS, scale=1)) if "lies" in said]

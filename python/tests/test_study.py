@@ -185,7 +185,7 @@ def test_what_no_study_follows_of_a_sensor_is_told_of() -> None:
         amacrine.quantise("rgc-4", "ternary", scene=SCENE, effort=0.01)
     assert {Path(one.filename).name for one in said} == {"test_study.py"}
     for study in (amacrine.design, amacrine.feasibility, amacrine.waterfall):
-        with pytest.raises(amacrine.Error, match="a channel sees through a resistor mesh"):
+        with pytest.raises(amacrine.Error, match="a channel has a resistor mesh"):
             study("csdvs-mesh")
 
 

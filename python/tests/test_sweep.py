@@ -214,7 +214,7 @@ def test_it_warns_as_the_program_does(program: Callable[..., str], tmp_path: Pat
     study = tmp_path / "full.toml"
     study.write_text(FULL)
     said = program("sweep", study, "--output", tmp_path / "theirs", beside=True)
-    theirs = [line.removeprefix("warning: ") for line in said.splitlines() if line.startswith("warning: ")]
+    theirs = re.findall(r"^warning: (.*(?:\nhelp: .*)?)$", said, flags=re.MULTILINE)
     assert any("slots were full" in text for text in theirs), said
     with pytest.warns(amacrine.Caution) as caught:
         amacrine.sweep(study, tmp_path / "ours")

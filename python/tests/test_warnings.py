@@ -66,8 +66,8 @@ def said(watch: Callable[[], Any]) -> set[str]:
 def words(warning: dict[str, Any]) -> str:
     """A warning of the command line, in the words of Python."""
     first, *others = warning["subjects"]
-    alike = f" (alike: {'; '.join(others)})" if others else ""
-    text = f"{first}: {warning['seen']}{alike}: {warning['why']}; {warning['change']}"
+    also = f" (also: {'; '.join(others)})" if others else ""
+    text = f"{first}: {warning['seen']}{also}: {warning['why']}\nhelp: {warning['change']}"
     return str(_amacrine.in_python(text))
 
 
@@ -286,7 +286,7 @@ def test_a_picture_larger_than_the_chip_is_told_of() -> None:
     sensor = amacrine.Sensor("dvs", 0.1, memory="filtered-snap", border="zero")
     chip = sensor.on_chip("exact", domain="exact", effort=0.01)
     wide = moving(3, 8, 300)
-    seen = "an array of 300x8, and scamp5 has 256x256 processors: no chip runs what is shown here"
+    seen = "an array of 300x8, but scamp5 has 256x256 processors: the run is larger than the chip"
     all: list[Callable[[Array], Any]] = [
         lambda clip: chip.events(clip, FPS),
         lambda clip: chip.counts(clip, FPS),
@@ -296,7 +296,7 @@ def test_a_picture_larger_than_the_chip_is_told_of() -> None:
     ]
     for watch in all:
         assert sum(seen in text for text in said(lambda: watch(wide))) == 1
-        assert not any("no chip runs" in text for text in said(lambda: watch(wide[:, :, :256])))
+        assert not any("larger than the chip" in text for text in said(lambda: watch(wide[:, :, :256])))
 
 
 def test_a_refractory_period_in_seconds_is_told_of() -> None:

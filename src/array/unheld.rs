@@ -70,10 +70,10 @@ impl Unheld {
     pub const fn why(&self) -> &'static str {
         match self.format.overflow() {
             Overflow::Saturate => {
-                "what lies beyond is cut off, so that the program works on other numbers than it was given"
+                "values beyond that are clipped, so the program computes with other numbers"
             }
             Overflow::Wrap => {
-                "what lies beyond comes in again at the other end, so that the program works on other numbers than it was given"
+                "values beyond that wrap around, so the program computes with other numbers"
             }
         }
     }

@@ -134,7 +134,7 @@ impl Growth {
         );
         Err(miette::miette!(
             help = "take fewer frames, or allow more with --max-memory SIZE",
-            "{what}: there is no room for more events: {held}; {} are left for them",
+            "{what}: no memory for more events: {held}; the limit for events is {}",
             Bytes(Packet::bytes(self.most as u64))
         ))
     }

@@ -128,7 +128,7 @@ impl Source {
             if let Some(option) = unused.into_iter().flatten().next() {
                 return Err(miette!(
                     help = format!("leave --{option} out"),
-                    "--{option} is of no use with --format: {} is printed as it is written",
+                    "--{option} has no effect with --format: {} is printed as it is written",
                     program.file
                 ));
             }

@@ -100,7 +100,7 @@ impl Arguments {
         match self.max_events {
             Some(most) if !self.run && !self.verify => Err(miette!(
                 help = "add --run or --verify, or leave --max-events out",
-                "--max-events {most} is of no use without --run or --verify: it bounds the lists of events, and there is none"
+                "--max-events {most} needs --run or --verify: it limits their lists of events"
             )),
             _ => Ok(()),
         }

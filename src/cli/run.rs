@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if chosen.map(|d| d.readout()).transpose()?.is_some() && arguments.events.is_none() {
         return Err(miette!(
             help = "add --events FILE, or leave --readout out",
-            "--readout without --events: counts and voxels are of what the cells fired"
+            "--readout needs --events: counts and voxels are taken before the readout"
         ));
     }
     arguments.check_list()?;
@@ -187,13 +187,13 @@ impl Arguments {
         if let Some(most) = self.max_events {
             return Err(miette!(
                 help = "add --events FILE, or leave --max-events out",
-                "--max-events {most} without --events: it bounds the list of events, and there is none"
+                "--max-events {most} needs --events: it limits the list of events"
             ));
         }
         if self.when_full.is_some() {
             return Err(miette!(
                 help = "add --events FILE, or leave --when-full out",
-                "--when-full without --events: it is about the list of events, and there is none"
+                "--when-full needs --events: it is about the list of events"
             ));
         }
         Ok(())
@@ -637,7 +637,7 @@ impl Watched {
             (
                 muted,
                 format!(
-                    "{} {} not further apart than the refractory period: under rule = \"authors\" no cell fires then",
+                    "{} {} not further apart than the refractory period: rule = \"authors\" allows no event in them",
                     counted(muted, "frame pair"),
                     is(muted)
                 ),
@@ -645,7 +645,7 @@ impl Watched {
             (
                 livelocked,
                 format!(
-                    "{} of cells that fire again though nothing they see has changed: on a still scene they never stop (memory = \"raw-snap\")",
+                    "{} from cells whose input has not changed: on a still scene they never stop firing (memory = \"raw-snap\")",
                     counted(livelocked, "event")
                 ),
             ),
@@ -659,7 +659,7 @@ impl Watched {
             (
                 over,
                 format!(
-                    "{over} of the events {} not in the file: the list was full (what is counted above, --counts and --voxels have all)",
+                    "{over} of the events {} not in the file: the event list was full (counts above, --counts and --voxels have all)",
                     is(over)
                 ),
             ),

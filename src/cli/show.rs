@@ -136,7 +136,7 @@ impl Arguments {
         } else {
             return Ok(());
         };
-        Err(miette!(help = help, "--{option} is of no use {why}"))
+        Err(miette!(help = help, "--{option} has no effect {why}"))
     }
 
     /// Bytes that an event takes.

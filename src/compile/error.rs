@@ -61,7 +61,7 @@ pub fn four_digits(from: f64, serves: impl Fn(f64) -> bool) -> f64 {
 /// How many bits are needed.
 fn bits_needed(needed: Option<u8>) -> String {
     needed.map_or_else(
-        || "on the chip no number of bits serves this threshold".to_owned(),
+        || "on the chip no number of bits is enough for this threshold".to_owned(),
         |needed| {
             format!(
                 "{} are needed for each kind",
@@ -100,10 +100,10 @@ pub enum CompileError {
     },
     /// A weight that sums and halves do not make exactly.
     #[error(
-        "{kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"
+        "{kernel}, row {row}, column {column}: {weight} is not a multiple of 1/4096 of at most 4096"
     )]
     #[diagnostic(help(
-        "sums and halves make dyadic weights only; quantise the kernel with --to (ternary, po2-3, int-5, q1.4 …), or write the weight as a fraction of a power of two"
+        "the chip only adds and halves; quantise the kernel with --to (ternary, po2-3, int-5, q1.4 …), or write the weight as a fraction whose denominator is a power of two"
     ))]
     NotDyadic {
         /// Which kernel: its number, from 0, or [its name](Self::of_kernel).
@@ -132,7 +132,7 @@ pub enum CompileError {
     },
     /// Too few registers.
     #[error(
-        "{}: no program was found in the {} that {} free; in {needed} there is one",
+        "{}: no program was found for the {} that {} free; {needed} registers suffice",
         if *kernels == 1 { "one kernel".to_owned() } else { format!("{kernels} kernels") },
         crate::unit::counted(*free, "analogue register"),
         if *free == 1 { "is" } else { "are" },
@@ -186,7 +186,7 @@ pub enum CompileError {
     },
     /// Memories in bits whose levels are farther apart than the threshold allows.
     #[error(
-        "a memory of {} has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold} LSB that the chip sets, and cells fire for ever; {}",
+        "the levels of a memory of {} are {step:.1} LSB apart: a drive between two levels is up to {:.1} LSB from both, more than the threshold of {threshold} LSB on the chip, so cells fire again and again; {}",
         crate::unit::counted(*bits, "bit"),
         step / 2.0,
         bits_needed(*needed)
@@ -213,7 +213,7 @@ pub enum CompileError {
         "a threshold is {} LSB in the program, more than the {most} that the host can set",
         if *lsb < 1e6 { format!("{lsb:.0}") } else { format!("{lsb:.2e}") }
     )]
-    #[diagnostic(help("take a lower threshold: {} times this one, or less", part_to_take(*lsb, *most, *reach)))]
+    #[diagnostic(help("lower the threshold to {} times this one, or less", part_to_take(*lsb, *most, *reach)))]
     Threshold {
         /// The threshold, LSB.
         lsb: f64,
@@ -248,10 +248,10 @@ pub enum CompileError {
     },
     /// Nothing that the chip leaves of the signal.
     #[error(
-        "nothing of the kernel comes out of the chip: a correlation of {correlation:.2} with the exact filter at the best input; {offset:.0} LSB of constant errors and {noise:.1} LSB of noise stay in the best program found"
+        "the chip's errors hide the kernel: the best program found has a correlation of {correlation:.2} with the exact filter at its best input, {offset:.0} LSB of constant errors and {noise:.1} LSB of noise"
     )]
     #[diagnostic(help(
-        "the fewer words, the more comes out: take fewer digits (--to int-4, po2-2), a smaller kernel, or search longer (--effort); --objective words compiles it as it is"
+        "fewer words make fewer errors: take fewer digits (--to int-4, po2-2), a smaller kernel, or search longer (--effort); --objective words compiles it as it is"
     ))]
     Nothing {
         /// The predicted correlation.

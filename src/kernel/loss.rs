@@ -76,10 +76,10 @@ impl Loss {
     pub const fn why(&self) -> &'static str {
         match self.kind {
             LossKind::Clipped { .. } => {
-                "the format does not reach so far, whatever the kernel's scale is"
+                "the weights exceed the range of the format, which has no scale of its own"
             }
             LossKind::Nothing { .. } | LossKind::Size { .. } | LossKind::Sum { .. } => {
-                "the weights are small against the steps of the format, and each is rounded to the nearest"
+                "the weights are small compared with the step of the format, to which each is rounded"
             }
         }
     }
@@ -89,10 +89,10 @@ impl Loss {
     pub const fn change(&self) -> &'static str {
         match self.kind {
             LossKind::Clipped { .. } => {
-                "take more bits before the point, or smaller weights (gain) and thresholds smaller by as much"
+                "use more bits before the point, or scale weights (gain) and thresholds down together"
             }
             LossKind::Nothing { .. } | LossKind::Size { .. } | LossKind::Sum { .. } => {
-                "take more bits after the point, or larger weights (gain) and thresholds larger by as much"
+                "use more bits after the point, or scale weights (gain) and thresholds up together"
             }
         }
     }
@@ -135,13 +135,13 @@ impl fmt::Display for Loss {
             }
             LossKind::Size { size, held } if of == 1 => write!(
                 f,
-                "in {format} its weight is {} in size in place of {}: the smallest step is {step}",
+                "in {format} the size of its weight is {} instead of {}: the smallest step is {step}",
                 five_digits(held),
                 five_digits(size)
             ),
             LossKind::Size { size, held } => write!(
                 f,
-                "{rounded}, and their sizes add up to {} in place of {}: the smallest step is {step}",
+                "{rounded}, and their sizes add up to {} instead of {}: the smallest step is {step}",
                 five_digits(held),
                 five_digits(size)
             ),
@@ -152,7 +152,7 @@ impl fmt::Display for Loss {
                 threshold,
             } => write!(
                 f,
-                "{rounded}, and they add up to {} in place of {}: where all light goes from 0 to 255, that alone moves the drive by {}, and a threshold is {}",
+                "{rounded}, and they add up to {} instead of {}: a uniform change of light from 0 to 255 moves the drive by {}, against a threshold of {}",
                 five_digits(held),
                 five_digits(sum),
                 five_digits(moves.abs()),

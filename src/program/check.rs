@@ -183,7 +183,7 @@ impl Walk<'_> {
         });
         if let Some((place, origin)) = stores {
             let message = format!(
-                "FLAG may be 0 somewhere when the frame ends, since `{}` in {}, and the next one stores only where it is 1",
+                "FLAG may still be 0 in some pixels at the end of the frame, since `{}` in {}, and the next frame stores only where it is 1",
                 spot.name, spot.stands
             );
             let fault = Fault::warning(place, message, "in later frames this skips pixels");
@@ -202,7 +202,9 @@ impl Walk<'_> {
         if statement.whole_flag {
             let fault = Fault::warning(
                 statement.place,
-                format!("`{name}` needs FLAG to be 1 everywhere, which it may not be {since}"),
+                format!(
+                    "`{name}` needs FLAG to be 1 in all pixels, but it may be 0 in some, {since}"
+                ),
                 "in two steps a value passes a pixel that may be off",
             )
             .also(spot.place, "FLAG may be 0 after this")

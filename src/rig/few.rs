@@ -27,12 +27,12 @@ impl Warning {
                 About::FewEvents,
                 subject,
                 format!(
-                    "the float sensor has {}, of which each is {:.3} of it",
+                    "the float sensor has only {}, each worth {:.3} of the result",
                     counted(events, "event"),
                     1.0 / events as f64
                 ),
-                "of so few, noise and a chip's mismatch decide",
-                "show a longer scene or a livelier one, or lower the threshold",
+                "with so few, noise and a chip's mismatch decide",
+                "show a longer scene or one with more movement, or lower the threshold",
             )
         })
     }

@@ -9,7 +9,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{scene} is {size}, and {chip} has {columns}x{rows} processors")]
 #[diagnostic(help(
-    "show a part of it or larger pixels (--crop {}, --resize {}), or take a chip with as many (--chip)",
+    "crop the scene or reduce it to larger pixels (--crop {}, --resize {}), or take a chip with enough processors (--chip)",
     self.part(),
     self.shrunk()
 ))]

@@ -65,35 +65,30 @@ impl Overflow {
         let ends = from_to([low, high]);
         let signals = self.signals;
         let becomes = if format.wraps() {
-            "comes in again at the other end"
+            "wrap around"
         } else {
-            "is cut off"
+            "are clipped"
         };
-        let why = format!("what was to be held there is larger, and {becomes}");
+        let why = format!("values beyond it {becomes}");
         let of_signals = (signals.at > 0).then(|| {
             let counted = share("value", (signals.at, signals.of));
-            format!(
-                "{counted} in the signals, held in {format}, lie at the end of its range, {ends}"
-            )
+            format!("{counted} in the signals lie at the end of the range of {format}, {ends}")
         });
         let of_drives = (drives.at > 0).then(|| {
             let counted = share("value", (drives.at, drives.of));
             format!(
-                "{counted} of the drives (kernel times signal) and their distances from the memory, held in {format}, leave its range, {ends}"
+                "{counted} of the drives (kernel times signal) and their differences from the memory leave the range of {format}, {ends}"
             )
         });
         let (seen, change) = match (of_signals, of_drives) {
-            (Some(signals), None) => (
-                signals,
-                "make light or gain smaller, or take a wider format",
-            ),
+            (Some(signals), None) => (signals, "reduce light or gain, or use a wider format"),
             (None, Some(drives)) => (
                 drives,
-                "take more bits before the point, smaller weights (gain) with thresholds smaller by as much, or a response and thresholds in a smaller unit",
+                "use more bits before the point, or scale thresholds down together with the weights (gain) or with the response",
             ),
             (Some(signals), Some(drives)) => (
                 format!("{signals}; {drives}"),
-                "take more bits before the point, or a response, weights and thresholds in a smaller unit",
+                "use more bits before the point, or scale response, weights and thresholds down together",
             ),
             (None, None) => return None,
         };

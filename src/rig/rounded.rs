@@ -20,7 +20,7 @@ impl Warning {
 /// Why no cell fires whose kernel a format leaves little of, and what to change.
 pub(super) fn reason(loss: &Loss) -> [String; 2] {
     [
-        format!("{loss}: hardly any kernel is left to make a drive"),
+        format!("{loss}: hardly anything of the kernel is left"),
         loss.change().to_owned(),
     ]
 }

@@ -15,8 +15,8 @@ impl Warning {
                 share("value", counted),
                 from_to(ends)
             ),
-            "what was to be held there is larger, and is cut off",
-            "halve more often before sums, make light or gain smaller, or take a wider format",
+            "larger values are clipped there",
+            "halve more often before sums, reduce light or gain, or use a wider format",
         )
     }
 
@@ -34,8 +34,8 @@ impl Warning {
             About::Saturation,
             &format!("{points} of {of} points"),
             "signals or drives lie beyond the range of their number format",
-            "what was to be held there is larger, and is cut off or comes in again at the other end",
-            "take more bits before the point, or make light, weights or gain smaller",
+            "larger values are clipped or wrap around",
+            "use more bits before the point, or reduce light, weights or gain",
         )
     }
 

@@ -66,14 +66,14 @@ fn reason(pairs: u64, silence: &Silence) -> Option<[String; 2]> {
     }
     if silence.muted_pairs >= pairs {
         return Some([
-            "no two frames are further apart than the refractory period, and under rule = \"authors\" no cell fires in such a pair".to_owned(),
-            "show fewer frames a second (--fps), give a shorter refractory.us, or rule = \"dead-time\"".to_owned(),
+            "the frame interval is not longer than the refractory period, and rule = \"authors\" allows no event then".to_owned(),
+            "lower the frame rate (--fps), shorten refractory.us, or use rule = \"dead-time\"".to_owned(),
         ]);
     }
     if silence.without_sign > 0 {
         return Some([
             format!(
-                "its cells cross thresholds ({}), but none has a sign: under polarity = \"pixel\" a cell whose own pixel has not changed emits nothing",
+                "its cells cross thresholds ({}), but emit nothing: under polarity = \"pixel\" a cell has no sign while its own pixel does not change",
                 counted(silence.without_sign, "crossing")
             ),
             "use polarity = \"filtered\", or a kernel that weighs the cell's own pixel".to_owned(),
@@ -92,14 +92,14 @@ fn unreachable(silence: &Silence, threshold: f64, most: f64) -> [String; 2] {
     if most == 0.0 {
         return [
             "all weights of its kernels are 0".to_owned(),
-            "give kernels that see something: no threshold makes events of these".to_owned(),
+            "give kernels with weights other than 0; no threshold helps".to_owned(),
         ];
     }
     let shown = |number: f64| (number * 1e4).round() / 1e4;
     let response = silence.response;
     let [dark, bright] = [0.0, 255.0].map(|light| response.apply(light).unwrap_or(0.0));
     let why = format!(
-        "no light reaches its thresholds, of which the least is {}: its response makes {} to {} of light from 0 to 255, and what its cells see moves by {} at most",
+        "its lowest threshold, {}, is out of reach: for light from 0 to 255 the response is {} to {}, and the filtered signal changes by {} at most",
         shown(threshold),
         shown(dark),
         shown(bright),
@@ -108,7 +108,7 @@ fn unreachable(silence: &Silence, threshold: f64, most: f64) -> [String; 2] {
     let change = if response.curve == Curve::Identity {
         "give lower thresholds"
     } else {
-        "give thresholds in that unit, or response = \"identity\" for thresholds in kernel times light (0 to 255)"
+        "give thresholds in the unit of the response, or response = \"identity\" for thresholds in kernel times light (0 to 255)"
     };
     [why, change.to_owned()]
 }
@@ -118,13 +118,13 @@ fn waits(pairs: u64, muted: u64) -> [String; 2] {
     let no_time = match muted {
         0 => String::new(),
         muted => format!(
-            " (in {muted} of {} of frames there is no time for it: they are not further apart than the period)",
+            " ({muted} of {} of frames are not further apart than that period)",
             counted(pairs, "pair")
         ),
     };
     let why = format!(
-        "what its cells see never moves by a threshold, or not by so many that one is crossed between a refractory period after a frame and the next frame, where under rule = \"authors\" events are{no_time}"
+        "the filtered signal crosses no threshold, or only within a refractory period after a frame, where rule = \"authors\" allows no event{no_time}"
     );
-    let change = "give a shorter refractory.us, rule = \"dead-time\" or fewer frames a second (--fps), lower the threshold, or show a scene that moves";
+    let change = "shorten refractory.us, use rule = \"dead-time\", lower the frame rate (--fps) or the threshold, or show a scene that moves";
     [why, change.to_owned()]
 }

@@ -54,7 +54,7 @@ pub enum SceneError {
 
     /// The first bytes say another kind of file than the name.
     #[error("{path}: the name says {stated}, but the content is {found}")]
-    #[diagnostic(help("give the file the ending that its content has, or write it anew"))]
+    #[diagnostic(help("rename the file to match its content, or write it again"))]
     Disguised {
         /// The file or folder of the scene.
         path: PathBuf,
@@ -92,7 +92,7 @@ pub enum SceneError {
     },
 
     /// Video of half frames.
-    #[error("{path}: interlaced video (I{got}): its lines are from two moments")]
+    #[error("{path}: interlaced video (I{got}): each frame mixes lines of two moments")]
     #[diagnostic(help("{}", apart(got)))]
     Interlaced {
         /// The file or folder of the scene.
@@ -217,10 +217,10 @@ pub enum SceneError {
 
     /// A file that is read again is not what was read first.
     #[error(
-        "the scene {path} was changed while the sweep ran: it is no longer what the points are computed from"
+        "the scene {path} changed while the sweep ran: the points were computed from its earlier content"
     )]
     #[diagnostic(help(
-        "run the same command again with the scene as it was; as it is now, it is another study, with an --output of its own"
+        "restore the scene and run the same command again, or run the new scene with another --output"
     ))]
     Changed {
         /// The file, or the picture of a folder.
@@ -238,7 +238,7 @@ pub enum SceneError {
     /// Neither a file nor a folder.
     #[error("{path}: neither a file nor a folder")]
     #[diagnostic(help(
-        "a scene is looked at twice, so a pipe or device cannot be one: write it into a file first"
+        "a scene is read twice, so it cannot be a pipe or device: write it into a file first"
     ))]
     NoFile {
         /// What it is called.
@@ -246,7 +246,7 @@ pub enum SceneError {
     },
 
     /// A name with a place for numbers or for anything, as ffmpeg and shells have it.
-    #[error("{path}: there is no such file, and names of many files are not read")]
+    #[error("{path}: there is no such file, and patterns of file names are not expanded")]
     #[diagnostic(help("give the folder that the pictures are in, or one file"))]
     NoPattern {
         /// What it is called.
@@ -274,7 +274,7 @@ pub enum SceneError {
         "{path}: frame {frame}, at {seconds:.6} s, comes {gap:.6} s after the one before, where {usual:.6} s are usual"
     )]
     #[diagnostic(help(
-        "frames must be evenly spaced: ffmpeg -i FILE -vf fps={0} -pix_fmt gray clip.y4m spaces them; --fps {0} shows each for as long as any other, so that what moves changes its speed",
+        "frames must be evenly spaced: ffmpeg -i FILE -vf fps={0} -pix_fmt gray clip.y4m resamples them; --fps {0} shows all for equal times, which changes the speed of motion",
         frame_rate(usual.recip())
     ))]
     Uneven {
@@ -347,7 +347,7 @@ pub enum SceneError {
 
     /// Something other than a picture in a folder of pictures.
     #[error(
-        "{path}: not a picture that is read, and nothing in a folder of pictures is passed over"
+        "{path}: not a picture in a known format, and no file in a folder of pictures is skipped"
     )]
     #[diagnostic(help(
         "a folder may hold .png, .pgm, .ppm and .pnm pictures and hidden files: {}",
@@ -401,7 +401,7 @@ pub enum SceneError {
         "{path}: the file ends early, at byte {length} of at least {end}: {what} begins at byte {start} and is cut off, and no table of its frames (moov) is whole"
     )]
     #[diagnostic(help(
-        "copy or download it again, or close the recording: without the table nothing of it can be read"
+        "copy or download it again, or finish the recording: without that table nothing can be read"
     ))]
     EndsEarly {
         /// The file.
@@ -419,7 +419,7 @@ pub enum SceneError {
     /// An mp4 that is damaged, or not H.264 in 8 or 10 bits.
     #[error("{path}: {what}")]
     #[diagnostic(help(
-        "mp4 is read with H.264 video of whole frames, 8 or 10 bits and colour in 4:2:0 or 4:2:2 only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
+        "only progressive H.264 in 8 or 10 bits, 4:2:0 or 4:2:2, is read from mp4; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
     ))]
     Mp4 {
         /// The file or folder of the scene.
@@ -481,7 +481,7 @@ pub enum SceneError {
     },
 
     /// More frames than there may be in all.
-    #[error("with those inserted up to source frame {frame} there are more than {most} frames")]
+    #[error("upsampling needs more than {most} frames up to source frame {frame}")]
     #[diagnostic(help(
         "give a larger contrast per step (`--upsample`, or `upsample` in a study), such as 0.1, or a shorter clip; in the library also a larger offset"
     ))]
@@ -538,7 +538,7 @@ pub enum SceneError {
 
     /// A slice in which no frame is.
     #[error(
-        "no frame is in the slice {slice}: the scene has {} at {} frames/s",
+        "the slice {slice} holds no frame: the scene has {} at {} frames/s",
         frames.map_or_else(|| "frames before and after it,".to_owned(), |all| counted(all, "frame")),
         frame_rate(*fps)
     )]
@@ -555,7 +555,7 @@ pub enum SceneError {
     },
 
     /// A part that does not lie in the picture.
-    #[error("a crop of {crop} from pictures of {size}")]
+    #[error("the crop {crop} does not lie within pictures of {size}")]
     #[diagnostic(help(
         "give a part of the picture: WIDTHxHEIGHT in its middle, or WIDTHxHEIGHT+X+Y from its left and its top"
     ))]
@@ -567,9 +567,9 @@ pub enum SceneError {
     },
 
     /// Pixels that would become smaller.
-    #[error("pictures of {from} resized to {size}")]
+    #[error("pictures of {from} cannot be enlarged to {size}")]
     #[diagnostic(help(
-        "give a size that is not larger in either direction: light is averaged over larger pixels, and nobody knows what smaller ones would see"
+        "give a size that is not larger in either direction: pixels can be averaged, not invented"
     ))]
     Enlarged {
         /// The size that was asked for.
@@ -614,7 +614,7 @@ fn way_out(path: &Path, fps: Option<f64>) -> String {
     if TIMES.iter().any(|times| name.eq_ignore_ascii_case(times)) {
         let fps = fps.map_or("FPS".to_owned(), frame_rate);
         return format!(
-            "times and rates are not read from it, and pictures of a folder are evenly spaced: move it out, and give --fps {fps}"
+            "times are not read from it, since pictures of a folder are evenly spaced: move it out, and give --fps {fps}"
         );
     }
     let ending = path.extension().unwrap_or_default();

@@ -45,7 +45,9 @@ pub enum CellsError {
         sensor: String,
     },
     /// A logarithm of the drive.
-    #[error("{sensor}, channel {channel}: a program does not take the logarithm of its drive")]
+    #[error(
+        "{sensor}, channel {channel}: log-temporal cannot run on the chip, which takes no logarithm"
+    )]
     #[diagnostic(help(
         "the chip compares kernel times light itself: give the channel without `log-temporal = true`, and a threshold in kernel times light"
     ))]
@@ -65,7 +67,7 @@ pub enum CellsError {
         sensor: String,
     },
     /// A resistor mesh in place of a kernel.
-    #[error("{sensor}: a channel sees through a resistor mesh, which is no program")]
+    #[error("{sensor}: a channel has a resistor mesh, which cannot be compiled to a program")]
     #[diagnostic(help(
         "give the channel a kernel; `amacrine mesh fit` tells which kernels a mesh carries"
     ))]
@@ -98,7 +100,7 @@ pub enum CellsError {
     },
     /// A memory of the pixel for each kind.
     #[error(
-        "{sensor}: each kind has a memory of the pixel of its own, which the compiler has for no chip"
+        "{sensor}: each kind has its own memory of the pixel, which the compiler supports on no chip"
     )]
     #[diagnostic(help(
         "add `shared = true`: one memory of the pixel for all kinds, in one register{}",
@@ -114,7 +116,7 @@ pub enum CellsError {
     /// A memory that steps.
     #[error("{sensor}: its memory steps")]
     #[diagnostic(help(
-        "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, one memory for all kinds"
+        "the chip decides once a frame and stores the value it saw: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, one memory for all kinds"
     ))]
     Steps {
         /// The sensor.
@@ -122,7 +124,7 @@ pub enum CellsError {
     },
     /// Signs of the pixel.
     #[error(
-        "{sensor}: its events have the sign of the pixel, those of a compiled program that of the drive"
+        "{sensor}: its events have the pixel's sign, but those of a compiled program the drive's"
     )]
     #[diagnostic(help("give a sensor with `polarity = \"filtered\"`"))]
     SignOfPixel {

@@ -45,15 +45,15 @@ pub enum RateError {
     Still,
     /// Nothing changes for the sensor.
     #[error(
-        "{0} events per pixel and second: this scene gives no event at any threshold that was tried, down to a 4096th of the first"
+        "{0} events per pixel and second: this scene gives no event at any threshold tried, down to 1/4096 of the first"
     )]
     #[diagnostic(help(
-        "give a scene in which something moves, and a kernel whose weights are not all 0; under rule = \"authors\" frames have to be further apart than the refractory period, and under polarity = \"pixel\" cells have to see their own pixel"
+        "give a scene that moves, and a kernel whose weights are not all 0; rule = \"authors\" needs frames further apart than the refractory period, and polarity = \"pixel\" a kernel that weighs the cell's own pixel"
     ))]
     Silent(f64),
     /// Beyond what any threshold gives.
     #[error(
-        "{asked} events per pixel and second: this scene gives {} to {} with thresholds from 4096 times as high to a 4096th",
+        "{asked} events per pixel and second: this scene gives {} to {}, with thresholds from 4096 times as high to 1/4096",
         up(*least),
         down(*most)
     )]
@@ -142,10 +142,10 @@ impl fmt::Display for Bound {
                 Effect::DeadTime.word()
             ),
             Self::Snap => f.write_str(
-                "with this memory a cell fires once a frame at most: give a lower rate, show more frames, or take memory = \"filtered-step\"",
+                "with this memory a cell fires at most once per frame: give a lower rate, show more frames, or use memory = \"filtered-step\"",
             ),
             Self::Light => f.write_str(
-                "give a rate between them; where they are far off, look at the scale of the light (--scale)",
+                "give a rate between them; if they are far off, check the scale of the light (--scale)",
             ),
         }
     }

@@ -155,7 +155,7 @@ impl Arguments {
             None => Ok(()),
             Some(name) => Err(miette!(
                 help = "give the sensor file that made the reference, too: then it is run at higher thresholds",
-                "--{name} is of no use without --sensor"
+                "--{name} needs --sensor"
             )),
         }
     }

@@ -165,7 +165,7 @@ impl Compiled {
             ways => ways.join(", or "),
         };
         Some(format!(
-            "half a step of its memory is {:.2} LSB, on the chip its threshold is {} LSB, and what is recalled errs: a cell between two levels, or beyond the last, fires again and again, about {:.1} % of the cells in each frame of a picture that stays (predicted); {ways}",
+            "half a step of its memory is {:.2} LSB, its threshold on the chip {} LSB, and recall has errors: a cell between two levels, or beyond the last, fires again and again, about {:.1} % of the cells in each frame of a still picture (predicted); {ways}",
             step / 2.0,
             on.min(off),
             100.0 * firing,
@@ -384,7 +384,7 @@ impl Compiled {
         };
         if self.memory.is_some() {
             format!(
-                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers; --border takes one that is right there, however little comes out of it, or refuses"
+                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers; --border insists on a program that is right there"
             )
         } else {
             let way = if self.to_border {
@@ -428,7 +428,7 @@ impl Compiled {
                 let on_the_way = match bits {
                     0 => String::new(),
                     bits => format!(
-                        "the input is halved {} on the way, as too little came out of the chip otherwise; ",
+                        "the input is halved {} on the way, since the chip's errors are too large otherwise; ",
                         counted(bits, "time")
                     ),
                 };

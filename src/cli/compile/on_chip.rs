@@ -126,9 +126,9 @@ impl Compiled {
             Aim::Events | Aim::Exact | Aim::Words => "leave --objective out",
         };
         let what = if worst < Forecast::NOTHING {
-            "next to nothing of the kernel comes out of the chip"
+            "the chip's errors hide the kernel"
         } else if worst < Forecast::NOISE {
-            "more noise than signal comes out of the chip"
+            "the chip gives more noise than signal"
         } else {
             return None;
         };
@@ -150,7 +150,7 @@ impl Compiled {
             "fewer digits (--to), "
         };
         Some(format!(
-            "warning: {what}, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take {fewer}{narrower}, or {other}\n"
+            "warning: {what} (correlation {worst:.3} with the exact filter): the program is useful in exact arithmetic only; take {fewer}{narrower}, or {other}\n"
         ))
     }
 
@@ -158,7 +158,7 @@ impl Compiled {
     pub(super) fn aimed(&self, kernels: &[Kernel], aim: Aim) -> Option<String> {
         let apart = kernels.len() > 1 && self.memory != Some(DriveMemory::Shared);
         (aim == Aim::Events && apart).then(|| {
-            "warning: --objective events chooses among the plans of one kernel; several kinds with a memory each are compiled as with --objective exact; --memory shared compiles each for its events\n"
+            "warning: --objective events is for one kernel: several kinds with a memory each are compiled as with --objective exact; --memory shared compiles each kind for its events\n"
                 .to_owned()
         })
     }
@@ -175,7 +175,7 @@ impl Compiled {
             let dead = [0, 1].map(|sign| thresholds[sign] >= reach[sign]);
             let told = |threshold: f64, reach: f64| {
                 format!(
-                    "kind {} has a threshold of {threshold:.1} LSB, and its result changes by {reach:.1} at most",
+                    "kind {} has a threshold of {threshold:.1} LSB, but its result changes by {reach:.1} at most",
                     own(kind)
                 )
             };

@@ -339,7 +339,7 @@ impl<'a> Bench<'a> {
         let silent = !self.opened.decides && posts > 0;
         silent.then(|| {
             format!(
-                "the host posts texts in {}, which are not shown: --host runs it beside the array, and shows them",
+                "texts that the host posts in {} are not shown: --host runs it beside the array, and shows them",
                 counted(posts, "place")
             )
         })

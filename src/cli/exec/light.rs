@@ -43,10 +43,10 @@ impl Stated {
     fn note(self, frames: u64) -> Option<String> {
         match self {
             Self::Clip(says) => (says != frames).then(|| {
-                format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
+                format!("the whole clip was run, not the program's frames = {says}: --frames {says} limits it")
             }),
             Self::Pattern(says) => Some(format!(
-                "the program says frames = {says}, and so many of the pattern were run: --frames N runs more"
+                "the pattern was run for the program's frames = {says}: --frames N runs more"
             )),
         }
     }
@@ -101,7 +101,7 @@ impl Said {
             format!("the host decides what runs: {words}")
         });
         let adds = (frames > 1 && self.exposure.get().adds_up()).then(|| {
-            "frames do not reset the photodiodes: on the chip light adds up until it is read, here each frame is one exposure".to_owned()
+            "the program does not reset the photodiodes: on the chip light adds up over frames, here each frame is one exposure".to_owned()
         });
         let left = self.left.get().then(|| {
             format!(

@@ -230,7 +230,7 @@ impl Arguments {
         if self.seed.is_some() && !self.to.iter().any(Quantiser::is_random) {
             return Err(miette!(
                 help = "leave --seed out, round by chance (--to q3.4:stochastic), or give a threshold, too",
-                "--seed is of no use without stochastic rounding: these levels are the same under every seed"
+                "--seed needs stochastic rounding: these levels are the same under every seed"
             ));
         }
         let own = [
@@ -243,7 +243,7 @@ impl Arguments {
             None => Ok(()),
             Some(name) => Err(miette!(
                 help = "give a threshold, too: then each is run on the chip",
-                "--{name} is of no use without --threshold"
+                "--{name} needs --threshold"
             )),
         }
     }

@@ -22,7 +22,7 @@ pub enum FileError {
         } else if *written {
             "give a name that ends in one of these, or tell `amacrine convert` what it writes: --format NAME"
         } else if is_stream(path) {
-            "the first bytes of what comes through it do not say what it is: write it to a file first, whose name ends in one of these"
+            "the first bytes of the stream name no format: write it to a file first, whose name ends in one of these"
         } else {
             "rename the file so that its extension says what is in it, or tell `amacrine convert` what it reads: --from NAME"
         }
@@ -76,7 +76,7 @@ pub enum FileError {
         cause: io::Error,
     },
     /// A compression was asked for of a format that has none to choose.
-    #[error("{}: compression {} was asked for, and {format} is written in one way only", path.display(), compression.name())]
+    #[error("{}: compression {} was asked for, but {format} has no choice of compression", path.display(), compression.name())]
     #[diagnostic(help("leave the compression out (--compression), or write .aedat4"))]
     OneWay {
         /// The file.
@@ -87,8 +87,8 @@ pub enum FileError {
         compression: Compression,
     },
     /// A size was given for a file that says another.
-    #[error("{}: the file says that its sensor is {said}, and the size {asked} was given", path.display())]
-    #[diagnostic(help("leave the size out (--size): it is for files that do not say theirs"))]
+    #[error("{}: the file states the sensor size {said}, but {asked} was given", path.display())]
+    #[diagnostic(help("leave the size out (--size): it is for files that state none"))]
     OtherSize {
         /// The file.
         path: PathBuf,
@@ -206,7 +206,7 @@ pub enum Fault {
         got: usize,
     },
     /// Text of events in seconds that begins with the size of the sensor.
-    #[error("the first line has two numbers, as that of a file for E2VID, the size of the sensor")]
+    #[error("the first line has two numbers, like the sensor size in a file for E2VID")]
     Size,
     /// The first line of a file for E2VID, which is not the size of the sensor.
     #[error("expected `width height`, the size of the sensor, found {}", crate::unit::counted(*got as u64, "field"))]
@@ -275,7 +275,7 @@ pub enum Fault {
         size: Size,
     },
     /// An event of a kind that the sensor does not have.
-    #[error("the event is of channel {channel}, and there are {channels}, counted from 0")]
+    #[error("the event has channel {channel}, but there are only {channels}, counted from 0")]
     Channel {
         /// Its channel.
         channel: u8,
@@ -283,7 +283,7 @@ pub enum Fault {
         channels: u8,
     },
     /// More kinds of cells than the format can tell apart.
-    #[error("the packet has {channels} kinds of cells, and .{format} has no place for them")]
+    #[error("the packet has {channels} kinds of cells, but .{format} stores no kinds")]
     NoChannels {
         /// How many.
         channels: u8,
@@ -311,9 +311,7 @@ pub enum Fault {
         format: Format,
     },
     /// More time between events than the format can reasonably say.
-    #[error(
-        "nothing happens from {from} to {to} us; {format} writes silence out, up to {limit} us"
-    )]
+    #[error("no event from {from} to {to} us; {format} stores gaps explicitly, up to {limit} us")]
     Silence {
         /// The event before, or 0.
         from: u64,
@@ -337,7 +335,7 @@ pub enum Fault {
         why: String,
     },
     /// The comment says one thing of the file, and the file is another.
-    #[error("the comment `# amacrine …` says {stated}, and the file has {found}")]
+    #[error("the comment `# amacrine …` says {stated}, but the file has {found}")]
     Remark {
         /// What the comment says.
         stated: String,
@@ -379,7 +377,9 @@ pub enum Fault {
         why: String,
     },
     /// Two streams of events, of two cameras, in one file.
-    #[error("the {format} file has two streams of events, {one} and {other}, which would be mixed")]
+    #[error(
+        "the {format} file has two streams of events, {one} and {other}, which must not be mixed"
+    )]
     Streams {
         /// Which format.
         format: Format,
@@ -458,7 +458,7 @@ impl Fault {
             Self::Layout { format, .. } | Self::Twice { format, .. }
                 if format.entry().index_at_end =>
             {
-                "check that the extension (or `--from`) says what is in the file, and that all of it is there: where its members lie stands at its end; write or copy it again"
+                "check that the extension (or `--from`) says what is in the file, and that it is complete: its index is at the end; write or copy it again"
             }
             Self::Late { .. } | Self::Silence { .. } => {
                 "write aedat4, npy or csv, which hold any time; or let times begin at 0 (`convert --from-zero`), and cut what is longer (`--slice`)"
@@ -486,13 +486,13 @@ impl Fault {
             }
             Self::Compressed { way, .. } | Self::Header { way, .. } => way,
             Self::Fields { .. } => {
-                "give one event a line, with as many fields as there are columns: between them commas in csv, blanks in txt and e2vid"
+                "write one event per line, with one field for each column, separated by commas in csv and by blanks in txt and e2vid"
             }
             Self::LongLine { .. } | Self::Magic => {
                 "check that the extension says what is in the file"
             }
             Self::NotInteger { .. } => {
-                "coordinates are whole pixels, and times whole microseconds but in txt and e2vid, where they are seconds"
+                "write coordinates in whole pixels, and times in whole microseconds (in txt and e2vid in seconds)"
             }
             Self::NotSeconds { .. } => {
                 "write times as decimal seconds, such as 0.001250000; a first line of names has a `#` in front"
@@ -525,7 +525,7 @@ impl Fault {
                 "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
             }
             Self::Remark { .. } | Self::Twice { .. } => {
-                "the file was cut short, damaged, or changed by a program that left the rest as it was: write or copy it again"
+                "the file was cut short, damaged, or edited without updating the rest: write or copy it again"
             }
             Self::Npy { .. } => {
                 "save a one-dimensional array of dtype [('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')], and perhaps ('channel','u1')"

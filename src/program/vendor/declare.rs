@@ -16,7 +16,7 @@ use super::{
 };
 use crate::config::Place;
 
-/// Containers of the language's library that are not followed.
+/// Containers of the language's library that are not supported.
 const UNREAD_CONTAINERS: [&str; 7] = [
     "map",
     "multimap",
@@ -328,12 +328,12 @@ impl Machine<'_> {
         Some(self.make(&it.name, before, kind))
     }
 
-    /// Refuses an object that has references as members: what it changes by them is not followed.
+    /// Refuses an object that has references as members: what it changes by them is not supported.
     pub(super) fn refuse_reference(&mut self, it: &Declared) {
         let of = last(&it.of);
         let what = self.unread.get(of).filter(|it| it.starts_with(REFERS));
         if let (Some(what), false, false) = (what, it.pointer, it.reference) {
-            let message = format!("what an object of `{of}`, {what}, changes is not followed");
+            let message = format!("what an object of `{of}`, {what}, changes is not supported");
             let help = "make the member a pointer: `int *n`, with `&variable` where it is made";
             self.error(it.place, message, "this object", help);
         }
@@ -384,7 +384,7 @@ impl Machine<'_> {
             None => return None,
         };
         Some(Why::never(&format!(
-            "`{}`, {what}, which is not followed,",
+            "`{}`, {what}, which is not supported,",
             it.name
         )))
     }
@@ -450,7 +450,7 @@ impl Machine<'_> {
                 self.error(
                     it.place,
                     format!("what `auto` is here: an object of `{name}`, or of its base"),
-                    "the type of the pointer says it, which is not followed",
+                    "the type of the pointer says it, which is not supported",
                     "write the class instead of `auto`",
                 );
                 value
@@ -459,7 +459,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Forgets what the constructors and the destructor of a class could change that is not followed.
+    /// Forgets what the constructors and the destructor of a class could change that is not supported.
     fn made_unread(&mut self, it: &Declared, why: &Why) {
         let class = last(&it.of);
         let callee = |name: Word| Expr {

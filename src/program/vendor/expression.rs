@@ -407,7 +407,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     }
     if it.variadic.contains(&name) && (it.sees("(") || it.sees("<")) {
         let message =
-            format!("`{name}` is a template of any number of types, which is not followed");
+            format!("`{name}` is a template of any number of types, which is not supported");
         let help = "write a function for each number of arguments that it is called with";
         return Err(Fault::error(place, message, "this call").help(help));
     }

@@ -101,9 +101,9 @@ pub(super) struct Machine<'a> {
     pub layouts: BTreeMap<Word, Rc<Layout>>,
     /// Enumerations, with the type of their numbers.
     pub enumerations: BTreeMap<Word, Kind>,
-    /// Classes that are not followed: what they are, and where.
+    /// Classes that are not supported: what they are, and where.
     pub unread: BTreeMap<Word, String>,
-    /// Variables of types that are not followed: why nothing is known of them.
+    /// Variables of types that are not supported: why nothing is known of them.
     pub not_followed: BTreeMap<Slot, Why>,
     /// Whether the function that runs gives back a variable itself.
     pub refers: bool,

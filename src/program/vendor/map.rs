@@ -125,7 +125,7 @@ impl Machine<'_> {
         Some(count)
     }
 
-    /// A function of a map; nothing where it is not followed.
+    /// A function of a map; nothing where it is not supported.
     pub(super) fn map_method(
         &mut self,
         (location, entry): (&Location, &Rc<Layout>),

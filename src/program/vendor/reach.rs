@@ -314,7 +314,7 @@ impl Machine<'_> {
             || self.functions.contains_key(name)
     }
 
-    /// Why nothing is known of a variable, where its class is not followed.
+    /// Why nothing is known of a variable, where its class is not supported.
     pub(super) fn not_followed(&self, base: &Reach) -> Option<Why> {
         match base {
             Reach::Location(slot, _) => self.not_followed.get(slot).cloned(),

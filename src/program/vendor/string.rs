@@ -230,7 +230,7 @@ impl Machine<'_> {
             None => {
                 self.error(
                     place,
-                    format!("`{name}.{member}` of the text \"{held}\" is not followed"),
+                    format!("`{name}.{member}` of the text \"{held}\" is not supported"),
                     "this call, with what it is given",
                     "make the text by `+` and `substr`, no further than its end",
                 );
@@ -403,11 +403,11 @@ impl Machine<'_> {
         text.then_some((slot, path))
     }
 
-    /// Tells of a function that is given places in a text, and is not followed.
+    /// Tells of a function that is given places in a text, and is not supported.
     pub(super) fn text_places(&mut self, name: &str, place: Place) {
         self.error(
             place,
-            format!("`{name}` over a part of a text is not followed"),
+            format!("`{name}` over a part of a text is not supported"),
             "this call",
             "go over the characters in a loop, or give it all of one text",
         );
@@ -540,7 +540,7 @@ fn asked(text: &Word, member: &str, given: &[Value]) -> Option<Value> {
     }
 }
 
-/// What a function makes of a text; nothing where it is not followed.
+/// What a function makes of a text; nothing where it is not supported.
 fn changed(text: &str, member: &str, given: &[Value]) -> Option<String> {
     let between = |from: usize, end: usize, more: &str| {
         let made = [text.get(..from)?, more, text.get(end..)?].concat();

@@ -246,7 +246,7 @@ pub(super) struct Struct {
     pub space: Word,
     /// Whether these are the members of each element of a map.
     pub map: bool,
-    /// What it is, where its objects are not followed.
+    /// What it is, where its objects are not supported.
     pub unread: Option<&'static str>,
     /// The first member that is not understood.
     pub stops: Option<Place>,

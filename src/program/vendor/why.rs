@@ -7,7 +7,7 @@ use std::{fmt, sync::Arc};
 pub(super) enum Why {
     /// Something that a run knows.
     Run(Arc<str>),
-    /// Something of the text that no run makes known: what is not followed, or is not there.
+    /// Something of the text that no run makes known: what is not supported, or is not there.
     Never(Arc<str>),
     /// A number that `main` is started with, by its name.
     Started(Arc<str>),

@@ -157,7 +157,7 @@ pub(super) fn refractory(memory: MemoryRule, rule: RefractoryRule) -> Result<(),
     let authors = rule == RefractoryRule::Authors;
     unless(
         memory.steps() || !authors,
-        "the authors' refractory rule counts the steps of a memory, and this memory snaps",
+        "refractory rule = \"authors\" counts the steps of a memory, but this memory snaps",
         "use rule = \"dead-time\", or memory = \"filtered-step\"",
     )?;
     unless(
@@ -180,7 +180,7 @@ pub(super) fn shared(memory: MemoryRule, shared: bool) -> Result<(), Odd> {
 pub(super) fn polarity(memory: MemoryRule, rule: PolarityRule) -> Result<(), Odd> {
     unless(
         !memory.steps() || rule != PolarityRule::Pixel,
-        "polarity = \"pixel\" needs the pixel as it was when the cell last fired, and a memory that steps does not keep it",
+        "polarity = \"pixel\" needs the pixel's value at the last event, which a memory that steps does not keep",
         "use polarity = \"filtered\", or memory = \"raw-snap\" or \"filtered-snap\"",
     )
 }
@@ -192,7 +192,7 @@ pub(super) fn leak(memory: MemoryRule, rule: RefractoryRule, noise: &Noise) -> R
     }
     unless(
         !memory.holds_pixels(),
-        "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels",
+        "noise.leak-hz is in thresholds of the filtered signal, but this memory holds pixels",
         "use memory = \"filtered-snap\" or \"filtered-step\", or leave the leak out",
     )?;
     unless(
@@ -238,7 +238,7 @@ pub(super) fn memory_kernel(memory: MemoryRule, kernel: Option<&Kernel>) -> Resu
         return Ok(());
     }
     let what = format!(
-        "a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to {worst:.2} times with each frame"
+        "a pixel memory that steps by filtered thresholds is unstable with this kernel: the difference grows up to {worst:.2} times in each frame"
     );
     let help = "use memory = \"filtered-step\" or \"raw-snap\", which are stable with any kernel";
     Err(Odd::new(what, help))

@@ -29,9 +29,9 @@ impl Warning {
         Some(Self::new(
             About::Names,
             "the judged",
-            format!("kind {kind} is `{other}`, and `{one}` in the reference"),
-            "kinds are compared by their numbers, whatever they are called",
-            "where they stand in another order, compare kind by kind, each written by `amacrine convert --kind`",
+            format!("kind {kind} is `{other}`, but `{one}` in the reference"),
+            "kinds are compared by number, not by name",
+            "if their order differs, compare one kind at a time: `amacrine convert --kind` writes one",
         ))
     }
 
@@ -43,8 +43,8 @@ impl Warning {
             Self::new(
                 About::Window,
                 "what is kept",
-                format!("within {within} accident scores {floor:.3} of 1"),
-                "the events last little longer than the window, or cells speak more often than that",
+                format!("within {within}, chance alone scores {floor:.3} of 1"),
+                "the recording is little longer than the window, or cells fire more than once per window",
                 "take a shorter window (--within, in a study `within`), or a longer scene",
             )
         })
@@ -56,9 +56,9 @@ impl Warning {
         Self::new(
             About::NoEvents,
             subject,
-            "it cannot be told, since neither sensor has an event",
-            "the threshold is above what changes anywhere",
-            "leave such points out: lower the thresholds, or show a scene that moves",
+            "nothing to compare: neither sensor has an event",
+            "the threshold is above every change in the scene",
+            "lower the thresholds, show a scene that moves, or leave such points out",
         )
     }
 }

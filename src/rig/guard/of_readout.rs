@@ -12,7 +12,7 @@ impl Warning {
             About::Slots,
             subject,
             format!("the readout's slots were full: {share} are lost"),
-            "more cells fired in a frame than were asked for",
+            "more cells fired in one frame than the readout has slots",
             "ask for more slots, raise the threshold, or read whole bit planes",
         )
     }
@@ -24,7 +24,9 @@ impl Warning {
         Self::new(
             About::Slots,
             subject,
-            format!("all slots of the program would lose {share}; what is told counts them"),
+            format!(
+                "all slots of the program would lose {share}; the figures here still count them"
+            ),
             "more cells fire in a frame than one scan delivers",
             "have the program read whole bit planes (amacrine compile --readout planes), or raise the threshold",
         )
@@ -38,8 +40,8 @@ impl Warning {
             About::Queue,
             subject,
             format!("the readout's queue was full: {share} are lost"),
-            "events came faster than the link sends them, and more than the queue holds",
-            "give a longer queue (fifo, or fifo=unlimited) or a faster link, let the arbiter wait (when-full=stall, with requests=all so that a cell's events do not merge meanwhile), or raise the threshold",
+            "events came faster than the link sends them, and filled the queue",
+            "use a longer queue (fifo, or fifo=unlimited) or a faster link, let the arbiter wait (when-full=stall, with requests=all so that no events of a cell merge), or raise the threshold",
         )
     }
 
@@ -50,9 +52,9 @@ impl Warning {
         Self::new(
             About::Rows,
             subject,
-            format!("the readout scans some rows only: {share} lie in others and are lost"),
-            "cells fired in rows that the program does not read",
-            "compile it for this scene (--scene), read all rows (compile --readout planes, or slots), or leave it so where only these rows are wanted",
+            format!("{share} are lost in rows that the readout does not scan"),
+            "the program reads only some rows, and cells fired in others",
+            "compile it for this scene (--scene), read all rows (compile --readout planes, or slots), or ignore this if only those rows matter",
         )
     }
 
@@ -64,10 +66,10 @@ impl Warning {
             subject,
             format!("no event at all in {}", counted(frames, "frame")),
             format!(
-                "its cells made {}, in rows that the program does not scan",
+                "cells fired {} in rows that the program does not scan",
                 counted(lost, "event")
             ),
-            "scan the rows in which they lie",
+            "scan those rows, too",
         )
     }
 
@@ -78,7 +80,7 @@ impl Warning {
             About::Late,
             subject,
             format!("the {stage} of the readout is busy all the time and cannot keep up"),
-            "events are lost or leave later and later; what a scan reads keeps the time of its frame, so that no figure tells how late it is",
+            "events are lost or delayed more and more; a scan gives events the time of their frame, so no figure shows the delay",
             "take fewer slots, a faster readout, or a lower frame rate",
         )
     }

@@ -67,11 +67,11 @@ impl Warning {
                     five_digits(high)
                 ),
                 format!(
-                    "numbers of more than 8 bits are taken as they are{}",
+                    "samples of more than 8 bits are used unscaled{}",
                     grown(response)
                 ),
                 format!(
-                    "give --scale with {white} over what is white in the array ({:.6} for 10 bits, {:.6} for 12, {:.8} for 16), or multiply the array",
+                    "give --scale as {white} divided by white in the array ({:.6} for 10 bits, {:.6} for 12, {:.8} for 16), or multiply the array",
                     white / 1023.0,
                     white / 4095.0,
                     white / 65_535.0
@@ -94,7 +94,7 @@ impl Warning {
         let (here, there) = (moves(1.0), moves(white));
         let also = match response.curve {
             Curve::Log { .. } => {
-                ": a logarithm feels the scale by its offset, and noise that depends on light does"
+                ": under a logarithm the scale acts through the offset and light-dependent noise"
             }
             Curve::Identity | Curve::Linear { .. } | Curve::LinLog { .. } => "",
         };
@@ -107,7 +107,7 @@ impl Warning {
                 five_digits(high)
             ),
             format!(
-                "{looks}; from its darkest to its brightest the signal moves by {}, and times {white} by {}{also}",
+                "{looks}; from its darkest to its brightest value the signal changes by {}, and with light times {white} by {}{also}",
                 five_digits(here),
                 five_digits(there)
             ),
@@ -136,7 +136,7 @@ impl Warning {
         };
         let usual = first
             .times_usual
-            .map_or("where nothing changes otherwise".to_owned(), |times| {
+            .map_or("where nothing else changes".to_owned(), |times| {
                 format!("{times:.0} times the usual change")
             });
         Some(Self::new(
@@ -148,7 +148,7 @@ impl Warning {
                 slice.map_or("", |_| " of this slice")
             ),
             format!(
-                "another picture, {usual}, correlation {:.2} with the frame before: every pixel may fire there",
+                "the whole picture changes ({usual}, correlation {:.2} with the frame before), and every pixel may fire",
                 first.correlation
             ),
             format!(
@@ -166,11 +166,11 @@ impl Warning {
         let percent = |new: u64, of: u64| 100.0 * new as f64 / of as f64;
         let change = match repeated.cycle() {
             Some(cycle) => format!(
-                "leave out one of {cycle} and show the others at {:.0} % of the rate; of a video file: ffmpeg -i CLIP -vf decimate=cycle={cycle} -pix_fmt gray clip.y4m",
+                "drop one frame in {cycle} and show the others at {:.0} % of the frame rate; for a video file: ffmpeg -i CLIP -vf decimate=cycle={cycle} -pix_fmt gray clip.y4m",
                 percent(cycle - 1, cycle)
             ),
             None => format!(
-                "leave them out and show the {} others at {:.0} % of the rate; of a video file: mkdir FRAMES; ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps",
+                "drop them and show the {} others at {:.0} % of the frame rate; for a video file: mkdir FRAMES; ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps",
                 of - frames,
                 percent(of - frames, of)
             ),
@@ -179,8 +179,8 @@ impl Warning {
             Self::new(
                 About::Repeats,
                 "the scene",
-                format!("{frames} of {of} frames are the frame before once more"),
-                "the file has a higher frame rate than the camera had: what moves stands still and then jumps, and events come in bursts",
+                format!("{frames} of {of} frames repeat the frame before"),
+                "the file has a higher frame rate than the camera: motion stops and jumps, and events come in bursts",
                 change,
             )
         })
@@ -193,13 +193,13 @@ impl Warning {
             About::Gap,
             "the scene",
             format!(
-                "by their numbers {} missing: after {} comes {}",
+                "{} missing in the numbering: after {} comes {}",
                 counted(gap.missing, "picture") + if gap.missing == 1 { " is" } else { " are" },
                 gap.before,
                 gap.after
             ),
-            "pictures are shown one after another: what comes behind a gap is too early, and what moves jumps",
-            "add them, or show the parts before and behind as scenes of their own (--slice)",
+            "pictures are shown at even intervals: those after a gap come too early, and motion jumps",
+            "add them, or show the parts before and after the gap as separate scenes (--slice)",
         )
     }
 
@@ -212,7 +212,7 @@ impl Warning {
                 About::SameTime,
                 "the scene",
                 format!("frames are {:.3} us apart", interval * 1e6),
-                "times of events are whole microseconds: events of several frames have the same time (counts and voxels take the exact times)",
+                "event times are whole microseconds, so events of several frames get the same time (counts and voxels use exact times)",
                 "give the frame rate of the camera (--fps)",
             )
         })
@@ -224,25 +224,25 @@ impl Warning {
         let (seen, why, change) = match alias {
             Alias::Fine { grain } => (
                 format!("grain={grain}: its blobs are smaller than two pixels"),
-                "each pixel has the light at its centre, which flickers as they move",
-                "give grain=2 or more, or draw more pixels and show them as fewer (--resize)"
+                "each pixel samples the light at its centre, so moving blobs flicker (aliasing)",
+                "give grain=2 or more, or draw more pixels and reduce them (--resize)"
                     .to_owned(),
             ),
             Alias::Shrunk { growth, pixels } => (
-                format!("growth={growth}: at the end {pixels:.1} pixels of the texture lie side by side in one"),
-                "each pixel has the light at its centre, which flickers as they move",
-                "give a growth nearer to 0, fewer frames or a coarser texture, or draw more pixels and show them as fewer (--resize)".to_owned(),
+                format!("growth={growth}: at the end one pixel spans {pixels:.1} pixels of the texture"),
+                "each pixel samples the light at its centre, so moving texture flickers (aliasing)",
+                "give a growth nearer to 0, fewer frames or a coarser texture, or draw more pixels and reduce them (--resize)".to_owned(),
             ),
             Alias::Still { frequency, fps } => (
-                format!("frequency={frequency} Hz at {fps} frames/s is seen as light at rest"),
-                "every frame is taken as it passes its middle",
+                format!("frequency={frequency} Hz at {fps} frames/s is seen as constant light"),
+                "every frame samples the wave at its middle level",
                 format!("give fps= of {} or more, or a lower frequency", 4.0 * frequency),
             ),
             Alias::Fast { frequency, fps } => {
                 let seen_as = (frequency - (frequency / fps).round() * fps).abs();
                 (
                     format!("frequency={frequency} Hz at {fps} frames/s is seen as {seen_as} Hz"),
-                    "it goes up and down more often than every other frame",
+                    "it is above half the frame rate (aliasing)",
                     format!("give fps= of {} or more, or a lower frequency", 4.0 * frequency),
                 )
             }
@@ -257,16 +257,16 @@ impl Warning {
             Unlike::Pixels { width, height } => Self::new(
                 About::Shape,
                 "the scene",
-                format!("its pixels are {width} wide where they are {height} high"),
-                "here they are taken as square, so that the picture is narrower or wider than players show it, and what moves along rows has another speed",
+                format!("its pixels are not square: width {width}, height {height}"),
+                "they are taken as square: the picture is narrower or wider than players show it, and horizontal speeds differ",
                 "make them square first: ffmpeg -i CLIP -vf scale=iw*sar:ih,setsar=1 -pix_fmt gray clip.y4m",
             ),
             Unlike::Angle => Self::new(
                 About::Shape,
                 "the scene",
-                "players turn its pictures by an angle that is no quarter of a turn",
+                "players rotate its pictures by an angle that is not a multiple of 90 degrees",
                 "here they are shown as they are stored",
-                "turn them first, such as by ffmpeg -i CLIP -vf rotate=PI/4 -pix_fmt gray clip.y4m",
+                "rotate them first, such as by ffmpeg -i CLIP -vf rotate=PI/4 -pix_fmt gray clip.y4m",
             ),
         }
     }
@@ -296,7 +296,7 @@ impl Warning {
                 format!("it ends after {}", counted(has, "frame")),
                 format!("frames = {asked} was asked for"),
                 format!(
-                    "all that it has are seen: ask for {has}, or for none, or give a longer one"
+                    "all its frames were shown: ask for {has}, give no number, or take a longer scene"
                 ),
             )
         })
@@ -328,13 +328,13 @@ fn parted(frame: u64, slice: Option<Slice>) -> String {
 fn grown(response: Response) -> &'static str {
     match response.curve {
         Curve::Identity | Curve::Linear { .. } => {
-            ", so that all changes are as much larger and their noise with them"
+            ", so all changes and their noise are larger by the same factor"
         }
         Curve::Log { .. } => {
-            ": a logarithm feels the scale by its offset, and noise that depends on light does"
+            ": under a logarithm the scale acts through the offset and light-dependent noise"
         }
         Curve::LinLog { .. } => {
-            ": a logarithm does not feel the scale, but what was dark lies above the knee, and noise that depends on light is another"
+            ": a logarithm ignores the scale, but dark light now lies above the knee, and light-dependent noise differs"
         }
     }
 }

@@ -9,22 +9,22 @@ impl Warning {
     /// A sensor that never fired; `frames` where they are known.
     #[must_use]
     pub fn no_events(subject: &str, frames: Option<u64>) -> Self {
-        let lower = "lower the threshold, give light on the scale of the sensor (0 to 255; --scale for an array), use a memory that steps, halve less often on a chip, or show a scene that moves";
+        let lower = "lower the threshold, show a scene that moves, scale the light to 0 to 255 (--scale for an array), use a memory that steps, or on a chip halve less often";
         let (seen, why, change) = match frames {
             Some(frames @ 0..=1) => (
                 format!("no event at all in {}", counted(frames, "frame")),
-                "events happen between frames, and there are not two",
-                "show a scene of two frames at least",
+                "an event is a change between two frames",
+                "show a scene of at least two frames",
             ),
             Some(frames) => (
                 format!("no event at all in {}", counted(frames, "frame")),
-                "what its cells see never moves by a threshold: the light is small against it, or it does not change",
+                "the filtered signal never changes by a whole threshold: the light changes too little, or not at all",
                 lower,
             ),
             None => (
                 "no event at all".to_owned(),
-                "nothing happens in this recording, or in this part of it",
-                "give a recording, or a part of it, in which something does",
+                "this recording, or this part of it, is empty",
+                "give a recording, or a part of one, that has events",
             ),
         };
         Self::new(About::NoEvents, subject, seen, why, change)
@@ -40,8 +40,8 @@ impl Warning {
                 "no event at all in {} of the dark",
                 counted(frames, "frame")
             ),
-            "no light was given, and the program names none of its own",
-            "give --image SCENE, a clip or a pattern such as pattern:disc",
+            "no scene was given, and the program names none",
+            "give --image SCENE: a clip, or a pattern such as pattern:disc",
         )
     }
 
@@ -59,8 +59,8 @@ impl Warning {
             About::MostCells,
             subject,
             seen,
-            "the threshold is below what changes everywhere: noise, flicker, a cut, or a memory that fires again",
-            "raise the threshold, give light on the scale of the sensor, use a memory that steps rather than snaps, or leave out the frames at which the whole picture changes",
+            "the threshold is lower than a change that all cells see: noise, flicker, a cut, or a memory that fires again",
+            "raise the threshold, scale the light to what the sensor takes, use a memory that steps rather than snaps, or cut out the frames where the whole picture changes",
         )
     }
 
@@ -72,13 +72,13 @@ impl Warning {
         Self::new(
             About::Still,
             subject,
-            "a still scene fires: memory-kernel is not the kernel",
+            "cells fire on a still scene: memory-kernel differs from kernel",
             format!(
-                "the first distance is (W - W_m) * u, which light from 0 to 255 brings to {}, and a threshold is {}",
+                "the first comparison sees (W - W_m) * u, up to {} for light from 0 to 255, and the threshold is {}",
                 shown(most),
                 shown(threshold)
             ),
-            "give memory-kernel the weights of kernel, or use memory = \"filtered-step\"; as it is, it does what the released code does",
+            "give memory-kernel the weights of kernel, or use memory = \"filtered-step\"; keep it to reproduce the released code",
         )
     }
 
@@ -90,8 +90,8 @@ impl Warning {
             Self::new(
                 About::Spread,
                 subject,
-                format!("the spread of its thresholds (sigma {sigma}) is more than a third of a threshold ({threshold})"),
-                "a cell whose threshold would fall below a twentieth of that has a twentieth, and fires twenty times as often: such cells decide how many events there are",
+                format!("threshold mismatch (sigma {sigma}) is more than a third of the threshold ({threshold})"),
+                "some cells are clipped to the lowest threshold, a twentieth of it, fire twenty times as often and dominate the event count",
                 "give a smaller sigma (in the sensor file, or run --sigma), or leave it out (--without mismatch)",
             )
         })
@@ -106,10 +106,10 @@ impl Warning {
                 About::Rate,
                 subject,
                 format!(
-                    "no threshold gives {asked} events per pixel and second: {nearest:.4} is the nearest"
+                    "no threshold gives {asked} events per pixel and second; the nearest rate is {nearest:.4}"
                 ),
-                "many cells change by the same amount (few levels of light), and fire together or not at all",
-                "take a rate that there is, give the threshold itself (--threshold), or show a scene of more levels",
+                "the scene has few grey levels, so many cells change by the same amount and fire together or not at all",
+                "ask for the nearest rate, give the threshold itself (--threshold), or show a scene with more grey levels",
             )
         })
     }
@@ -120,18 +120,18 @@ impl Warning {
         let (about, why, change) = match erasure {
             Erasure::Surround { .. } | Erasure::Sign { .. } => (
                 About::Surround,
-                "its weights are too small for so few values",
-                "take more values (another --to)",
+                "these weights are too small for so few levels",
+                "use more levels (another --to)",
             ),
             Erasure::Lopsided { .. } => (
                 About::Lopsided,
-                "too few weights are left to keep the sum evenly",
-                "take more values (another --to), or leave the sum free",
+                "too few non-zero weights are left to meet the sum symmetrically",
+                "use more levels (another --to), or leave the sum free",
             ),
             Erasure::Clipped { .. } => (
                 About::Clipped,
-                "the scale of fixed point is 1, whatever the kernel's is",
-                "take more bits before the point, or int-B, whose scale fits the kernel",
+                "fixed point has scale 1, which does not adapt to the kernel",
+                "use more bits before the point, or int-B, whose scale fits the kernel",
             ),
         };
         Self::new(about, subject, erasure.to_string(), why, change)
@@ -146,8 +146,8 @@ impl Warning {
                 About::Refractory,
                 subject,
                 format!("a refractory period of {us} us"),
-                "times of events are whole microseconds, and it is less than one: hardly any event is lost to it",
-                "give microseconds, of which 1000 are a millisecond, or leave it out",
+                "it is shorter than the time resolution of 1 us, and suppresses hardly any event",
+                "give the period in microseconds (1000 for 1 ms), or leave it out",
             )
         })
     }
@@ -165,8 +165,8 @@ impl Warning {
         Self::new(
             About::Larger,
             subject,
-            format!("an array of {size}, and {chip} has {columns}x{rows} processors"),
-            "no chip runs what is shown here, and times are those of the smaller array",
+            format!("an array of {size}, but {chip} has {columns}x{rows} processors"),
+            "the run is larger than the chip, and times are those of the chip's own array",
             larger
                 .help()
                 .map_or_else(String::new, |help| help.to_string()),
@@ -180,9 +180,9 @@ impl Warning {
             Self::new(
                 About::Kept,
                 subject,
-                format!("{kept:.2} is kept on the chip"),
-                "most of its events are not what the kernels say, and it is the best that was found or taken",
-                "give higher thresholds or a lower rate, other few values (--to), a longer search (--effort), or other kernels",
+                format!("only {kept:.2} is kept on the chip"),
+                "most events on the chip differ from those of the kernels, and no better design was found or taken",
+                "give higher thresholds or a lower rate, another quantiser (--to), a longer search (--effort), or other kernels",
             )
         })
     }

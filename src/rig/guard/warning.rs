@@ -27,9 +27,9 @@ impl fmt::Display for Warning {
         };
         write!(f, "{first}: {}", self.seen)?;
         if !others.is_empty() {
-            write!(f, " (alike: {})", others.join("; "))?;
+            write!(f, " (also: {})", others.join("; "))?;
         }
-        write!(f, ": {}; {}", self.why, self.change)
+        write!(f, ": {}\nhelp: {}", self.why, self.change)
     }
 }
 

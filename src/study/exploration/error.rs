@@ -24,7 +24,7 @@ pub enum ExplorationError {
     Rate(#[from] RateError),
     /// No threshold of a kernel gives its share of the rate.
     #[error(
-        "{rate} events per pixel and second are {share} of each of {kernels} kernels: with {name} this scene gives {} to {} with thresholds from 4096 times as high to a 4096th",
+        "{rate} events per pixel and second are {share} of each of {kernels} kernels: with {name} this scene gives {} to {}, with thresholds from 4096 times as high to 1/4096",
         up(*least),
         down(*most)
     )]
@@ -73,13 +73,13 @@ pub enum ExplorationError {
         if thresholds.len() == 1 { "a threshold of" } else { "thresholds of" },
         thresholds.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
     )]
-    #[diagnostic(help("give lower thresholds or a higher rate, or a scene in which more moves"))]
+    #[diagnostic(help("give lower thresholds, a higher rate, or a scene with more movement"))]
     Silent {
         /// The thresholds, in kernel times light (0 to 255).
         thresholds: Vec<f64>,
     },
     /// Nothing fits.
-    #[error("the chip takes none of these")]
+    #[error("none of these choices gives a program for this chip")]
     #[diagnostic(help("give fewer kernels, smaller ones, other quantisers or another chip"))]
     Nothing {
         /// What was tried.

@@ -23,7 +23,7 @@ fn reading(cause: &io::Error) -> &'static str {
 /// In what two studies differ.
 fn differ(changes: &[String]) -> String {
     if changes.is_empty() {
-        return "their keys are the same, but the light of a scene, a kernel or a chip that they name has changed".to_owned();
+        return "their keys are the same, but the content of a scene, a kernel or a chip that they name has changed".to_owned();
     }
     format!("their keys differ:{}", listed(changes.iter().cloned()))
 }
@@ -33,7 +33,7 @@ const fn back(changes: &[String]) -> &'static str {
     if changes.is_empty() {
         "put the files that the study names back as they were, or give another --output"
     } else {
-        "give another --output, or the study the keys that the folder has"
+        "give another --output, or change the study's keys back to those of the folder"
     }
 }
 
@@ -53,7 +53,7 @@ pub enum StoreError {
     /// Something cannot be written.
     #[error("cannot write {}: {cause}", path.display())]
     #[diagnostic(help(
-        "the points that are finished are kept: make room or give the folder back its rights, and run the same command again"
+        "finished points are kept: free disk space or restore write permission, and run the same command again"
     ))]
     Save {
         /// The file.
@@ -75,7 +75,7 @@ pub enum StoreError {
     /// A scene that is looked at once more is not there any longer.
     #[error("cannot look at the scene {scene} again: {cause}")]
     #[diagnostic(help(
-        "the points that are finished are kept: put the scene back as it was, and run the same command again"
+        "finished points are kept: restore the scene, and run the same command again"
     ))]
     Scene {
         /// As the study names it.
@@ -86,7 +86,7 @@ pub enum StoreError {
     },
     /// It was stopped from outside.
     #[error("the sweep was stopped")]
-    #[diagnostic(help("the points that are finished are kept: run it again, and it goes on"))]
+    #[diagnostic(help("finished points are kept: run it again to continue"))]
     Stopped,
     /// Another process works there.
     #[error("{} is in use by another amacrine", folder.display())]

@@ -51,7 +51,7 @@ pub(super) enum Exhausted {
     #[diagnostic(help("raise --max-seconds-per-point"))]
     Seconds(f64),
     /// Memory.
-    #[error("it needs {need} bytes, {events} events among them, and may take {may}")]
+    #[error("it needs {need} bytes (with {events} events); the limit is {may}")]
     #[diagnostic(help("raise --max-memory, or lower --jobs: points share it"))]
     Bytes { need: u128, events: usize, may: u64 },
 }

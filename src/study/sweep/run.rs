@@ -383,7 +383,7 @@ mod tests {
         let [failed] = &*did.failed else {
             panic!("{:?}", did.failed);
         };
-        let told = format!("the scene {} was changed", replaced.display());
+        let told = format!("the scene {} changed", replaced.display());
         assert!(failed.reason.contains(&told), "{}", failed.reason);
         assert_eq!((did.computed, failed.point), (2, 1));
         let held = store.held().unwrap();

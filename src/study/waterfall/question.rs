@@ -198,7 +198,7 @@ pub enum WaterfallError {
     /// No event to follow.
     #[error("the float sensor has no event on this scene")]
     #[diagnostic(help(
-        "lower the threshold, now {threshold}, or show a scene that moves, its light on the scale 0 to 255"
+        "lower the threshold (now {threshold}), or show a scene that moves, with light from 0 to 255"
     ))]
     Silent {
         /// The threshold.
@@ -206,10 +206,10 @@ pub enum WaterfallError {
     },
     /// More events than can be followed.
     #[error(
-        "the threshold {threshold} is too low: {part} of it, the lowest of those that it is told beside, is crossed {each:.1} times per pixel and pair of frames, which makes more than {most} events"
+        "the threshold {threshold} is too low: {part} of it, the lowest threshold that is run for comparison, is crossed {each:.1} times per pixel and pair of frames, more than {most} events in all"
     )]
     #[diagnostic(help(
-        "raise the threshold, or ask for fewer events (--rate): light of 8 bits moves in steps of 1, which cross a threshold far below them again and again"
+        "raise the threshold, or ask for fewer events (--rate): each step of 8-bit light is 1, many times such a threshold"
     ))]
     Crossings {
         /// The threshold.

@@ -383,7 +383,7 @@ impl Machine<'_> {
         if let Some(it) = of_class {
             self.error(
                 it.place,
-                "a template that is specialised for a class is not followed".to_owned(),
+                "a template that is specialised for a class is not supported".to_owned(),
                 "behind `template <>`",
                 "write it as a function of another name, and call that",
             );

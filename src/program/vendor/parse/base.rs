@@ -7,7 +7,7 @@ use super::{Parser, within};
 
 impl Parser<'_> {
     /// The class behind the `:` of a class, if there is one; what the class is, where it has bases
-    /// that are not followed.
+    /// that are not supported.
     pub(super) fn base_class(&mut self) -> Result<Option<Word>, &'static str> {
         if !self.take(":") {
             return Ok(None);
@@ -33,7 +33,7 @@ impl Parser<'_> {
         if self.classes.contains(name) {
             Ok(Some(name.into()))
         } else {
-            Err("a class with a base that is not followed")
+            Err("a class with a base that is not supported")
         }
     }
 

@@ -344,7 +344,7 @@ impl Parser<'_> {
             } else if functions.iter().any(copies) {
                 "a class with a copy constructor"
             } else if functions.iter().any(is_operator) {
-                "a class with operators that are not followed"
+                "a class with operators that are not supported"
             } else if bit_fields {
                 "a class with bit fields"
             } else {

@@ -220,13 +220,13 @@ impl Parser<'_> {
     }
 }
 
-/// Of a constructor behind its class that sets what is not followed.
+/// Of a constructor behind its class that sets what is not supported.
 fn not_understood(place: Place) -> Fault {
-    let message = "what this constructor sets before its body is not followed";
+    let message = "what this constructor sets before its body is not supported";
     Fault::error(place, message, "this constructor").help("set the members in its body")
 }
 
-/// Whether a constructor with these parameters copies an object: where that happens is not followed.
+/// Whether a constructor with these parameters copies an object: where that happens is not supported.
 pub(super) fn copies(class: &str, parameters: &[Parameter]) -> bool {
     let first = parameters.first();
     first.is_some_and(|it| it.alias && &*it.of == class && !it.pointer)

@@ -23,7 +23,7 @@ impl Parser<'_> {
         let start = self.at;
         let ahead = (0..3).find(|at| !QUALIFIERS.contains(&self.word(*at)));
         if ahead.is_some_and(|at| self.word(at) == "decltype") {
-            let message = "`decltype` is not followed";
+            let message = "`decltype` is not supported";
             let help = "write the type itself, or `auto`";
             return Err(Fault::error(self.place(), message, "this type").help(help));
         }
@@ -116,7 +116,7 @@ impl Parser<'_> {
             || self.enumerations.contains_key(name)
     }
 
-    /// Makes the name of an operator whole; false where that is not followed.
+    /// Makes the name of an operator whole; false where that is not supported.
     fn operator(&mut self, name: &mut Word) -> bool {
         if &**name != "operator" {
             return true;

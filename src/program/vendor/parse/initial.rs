@@ -11,7 +11,7 @@ use super::{Parser, begins::Begins, constructor::set, within};
 use crate::order::Order;
 
 impl Begins {
-    /// Lets a constructor begin the members; false where that is not followed.
+    /// Lets a constructor begin the members; false where that is not supported.
     pub(super) fn apply(&self, it: &mut Function) -> bool {
         let hides = |of: &Expr| {
             let all = names(of);
@@ -57,7 +57,7 @@ impl Begins {
 
 impl Parser<'_> {
     /// Lets constructors set the members in their order, also those whose declaration says by what
-    /// may change what they begin with; false where that is not followed.
+    /// may change what they begin with; false where that is not supported.
     pub(super) fn begin(
         &mut self,
         class: &str,

@@ -10,7 +10,7 @@ const OPERATORS: [&str; 30] = [
 ];
 
 impl Parser<'_> {
-    /// What stands behind `operator`, up to the parameters; nothing where it is not followed.
+    /// What stands behind `operator`, up to the parameters; nothing where it is not supported.
     pub(super) fn operator_name(&mut self) -> Option<Word> {
         let TokenKind::Punctuator(first) = self.peek(0)?.kind else {
             return None;

@@ -65,7 +65,7 @@ impl Parser<'_> {
                 let (first, on) = self.headed()?;
                 let body = self.block()?;
                 if let Some(place) = body.iter().find_map(inner_case) {
-                    let message = "a case inside another statement of its `switch` is not followed";
+                    let message = "a case inside another statement of its `switch` is not supported";
                     let fault = Fault::error(place, message, "this case");
                     self.faults
                         .push(fault.help("put it between the other cases"));
@@ -89,7 +89,7 @@ impl Parser<'_> {
                 Ok(StmtNode::Case(None))
             }
             "goto" => Err(
-                Fault::error(self.place(), "`goto` is not followed", "this jump")
+                Fault::error(self.place(), "`goto` is not supported", "this jump")
                     .help("write a loop with `break` or `continue`, or an `if`, in its place"),
             ),
             "try" | "throw" | "co_await" | "co_yield" | "co_return" => {
@@ -255,7 +255,7 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    /// Tells of a statement that is not followed, and passes it with its blocks.
+    /// Tells of a statement that is not supported, and passes it with its blocks.
     fn not_followed(&mut self) {
         let word = self.word(0).to_owned();
         let (what, help) = match &*word {
@@ -266,7 +266,7 @@ impl Parser<'_> {
             "throw" => ("statement", "leave it out, or `return`"),
             _ => ("statement", "write a loop that waits for its frames"),
         };
-        let message = format!("`{word}` is not followed");
+        let message = format!("`{word}` is not supported");
         let fault = Fault::error(self.place(), message, format!("this {what}"));
         self.faults.push(fault.help(help));
         if word != "try" {
