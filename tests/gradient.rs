@@ -1040,6 +1040,7 @@ fn phase_averaged((rules, more): (&str, &str), theta: f64, want: &[Rule]) -> Vec
 
 const STEP: &str = "memory = \"filtered-step\"";
 const DEAD: &str = "memory = \"filtered-step\"\nrefractory = { us = 1000 }";
+const LONG: &str = "memory = \"filtered-step\"\nrefractory = { us = 4000 }";
 const AUTHORS: &str = "memory = \"filtered-step\"\nrefractory = { us = 0, rule = \"authors\" }";
 
 #[test]
@@ -1075,6 +1076,9 @@ fn mean_points_where_the_loss_falls_when_events_are_few() {
     // One crossing in a few is lost to the dead time: on average, which is what `mean` takes it for.
     let found = phase_averaged((DEAD, ""), 0.05, &rules);
     assert!(found[3].0 >= 0.9, "mean has a cosine of {}", found[3].0);
+    // Most are lost: how many changes with the drive, and the rule takes that number for fixed.
+    let found = phase_averaged((LONG, ""), 0.02, &rules);
+    assert!(found[3].0 < 0.8, "mean has a cosine of {}", found[3].0);
 }
 
 #[test]

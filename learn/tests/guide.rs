@@ -128,6 +128,8 @@ fn what_is_wrong_is_told_in_a_sentence() {
     fs::write(at.join("inside.toml"), inside).unwrap();
     let film = format!("{text}[scenes]\nvideo = \"pattern:noise?width=16&height=16&frames=60\"\n");
     fs::write(at.join("film.toml"), film).unwrap();
+    let bundled = format!("{text}crop = 300\n[scenes]\nvideo = \"bundled\"\n");
+    fs::write(at.join("bundled.toml"), bundled).unwrap();
     fs::write(at.join("far.toml"), format!("{text}[scenes]\npan = 1e9\n")).unwrap();
     for (arguments, says) in [
         ("inside.toml -o r", "inside.toml:7: `photographs`"),
@@ -143,6 +145,7 @@ fn what_is_wrong_is_told_in_a_sentence() {
         ("task.toml -o task.toml --resume --threads 1", "task.toml"),
         ("task.toml -o task.toml", "a file is in the way"),
         ("film.toml -o r", "a larger video"),
+        ("bundled.toml -o r", "256x256, smaller than a crop of 300x300"),
         (
             "far.toml -o r",
             "far.toml:7:7: a picture that moves by 1000000000 px",

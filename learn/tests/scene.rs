@@ -277,4 +277,6 @@ fn video_is_a_scene_too() {
         "{large}"
     );
     assert!(Video::open("gone.y4m", Budget::from_machine()).is_err());
+    let bundled = Video::open("bundled", Budget::from_machine()).unwrap();
+    assert!(Clips::of_video(&bundled, SIZE, FRAMES, 2).is_ok());
 }

@@ -62,6 +62,15 @@ def number(name: str, given: Any, help: str) -> float:
     raise Error(f"{name} = {given!r} is no number\nhelp: {help}")
 
 
+def phase(given: Any) -> float | None:
+    """A part of once around, or none."""
+    help = "give a part of 1, such as phase=0.3"
+    part = None if given is None else number("phase", given, help)
+    if part is not None and not math.isfinite(part):
+        raise Error(f"phase = {part}\nhelp: {help}")
+    return part
+
+
 def numbers(name: str, given: Any, help: str) -> list[float]:
     """A list of numbers; one number alone is a list of one."""
     # A word is iterable, too, and a table; an array of no axes is not.

@@ -23,7 +23,7 @@ Rule = Literal["through", "reset", "authors", "mean"]
 """What flows back through the memory: ``mean``, exact on average over the phases of the memory for
 kernels and for both thresholds scaled as one where ON and OFF thresholds are equal (else, and for one
 threshold alone, off by tens of per cent: ``docs/learning.md``), points where the loss falls at any
-rate; ``through`` does where events are many; ``reset`` is that of a memory that snaps; ``authors`` is
+rate, if a dead time costs few events; ``through`` does where events are many; ``reset`` is that of a memory that snaps; ``authors`` is
 the released simulator's."""
 
 Slope = Literal["all", "fired"]
@@ -175,7 +175,7 @@ def forward(
     if given.scale != 1.0:
         # As the sensor has it: multiplied in double precision, rounded once.
         light = (given.all.astype(np.float64) * given.scale).astype(number)
-    shift = None if phase is None else arguments.number("phase", phase, "give a part of 1")
+    shift = arguments.phase(phase)
     seen = _amacrine.forward(
         sensor._native, None, light, seconds(given.frames, fps, times), sensor._seed, shift
     )

@@ -220,6 +220,7 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "rate and times": (lambda f: gradient.forward(_plain(), f, 9, times=[1]), "give one of them"),
     "times of text": (lambda f: gradient.forward(_plain(), f, times=_any("a")), "times = 'a'"),
     "phase": (lambda f: gradient.forward(_plain(), f, 9, phase=_any("a")), "phase = 'a'"),
+    "a phase that is no number": (lambda f: gradient.forward(_plain(), f, 9, phase=float("nan")), "phase = nan"),
     "no sensor": (lambda f: gradient.forward(_any("dvs"), f, 9), "give a Sensor"),
     "no dtype": (lambda f: gradient.forward(_plain(), f, 9, dtype=_any("f9")), "float32 or float64"),
     "no array": (lambda f: _forward(f).backward(_any([[1], [1, 2]])), "no array"),

@@ -1,7 +1,7 @@
 //! What the samples of a scene mean, the same options for every verb that shows one; what is
 //! said of the light, and the warnings.
 
-use std::{fmt::Write as _, path::Path};
+use std::fmt::Write as _;
 
 use miette::miette;
 use serde::Serialize;
@@ -16,9 +16,6 @@ use crate::{
         Transfer, View, bundled_with, open,
     },
 };
-
-/// The name of the bundled clip.
-const BUNDLED: &str = "bundled";
 
 /// `--range`, `--transfer` and `--scale`.
 #[derive(Clone, Debug, clap::Args)]
@@ -129,8 +126,8 @@ impl Samples {
     ) -> Result<Box<dyn Scene>, SceneError> {
         let options = self.opening(fps);
         let scene = match scene {
-            Some(scene) if scene != BUNDLED || Path::new(scene).exists() => open(scene, &options)?,
-            Some(_) | None => bundled_with(&options)?,
+            Some(scene) => open(scene, &options)?,
+            None => bundled_with(&options)?,
         };
         Ok(Box::new(Observed::new(scene, observation)))
     }

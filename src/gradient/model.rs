@@ -135,7 +135,7 @@ impl<R: Float> Model<R> {
             .with(clip as u64)
             .with(((channel as u64) << 32) | y as u64);
         for (x, out) in out.iter_mut().enumerate() {
-            let place = row.with(x as u64).uniform() + shift;
+            let place = row.with(x as u64).uniform() + shift % 1.0;
             *out = R::from_f64(2.0 * (place - place.floor()) - 1.0);
         }
     }

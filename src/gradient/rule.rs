@@ -17,8 +17,9 @@ pub enum Rule {
     /// meets the difference of two neighbouring frames.
     Through,
     /// The exact gradient of the events averaged over the phase of the memory, whose mean is a play
-    /// (backlash) of the drive. For a memory that steps, with a dead time or none. It points right
-    /// also where events are few, and does not depend on which cells happened to fire.
+    /// (backlash) of the drive. For a memory that steps, with no dead time or one that costs few
+    /// events. It points right also where events are few, and does not depend on which cells
+    /// happened to fire.
     Mean,
 }
 

@@ -3,14 +3,18 @@
 use std::{io::Read, path::Path};
 
 use super::{
-    animation, decoded::Source, error::SceneError, folder, frame::Scene, light, mp4, npy,
+    animation, bundled::bundled_with, decoded::Source, error::SceneError, folder, frame::Scene, light, mp4, npy,
     options::OpenOptions, pattern::Pattern, rate::check_rate, shown::shown, still, y4m,
 };
 
 /// What opens a scene, as often as a study shows it.
 pub type Reopen<'a> = dyn Fn() -> Result<Box<dyn Scene>, SceneError> + 'a;
 
-/// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
+/// The name of the clip that comes with the library.
+const BUNDLED: &str = "bundled";
+
+/// Opens the scene that `spec` names: a file, a folder, `pattern:NAME?key=value&key=value`, or
+/// `bundled` for [`bundled`](super::bundled()), where no file is called so.
 ///
 /// A file's kind is what its name says; its first bytes must agree.
 ///
@@ -29,6 +33,9 @@ pub type Reopen<'a> = dyn Fn() -> Result<Box<dyn Scene>, SceneError> + 'a;
 /// # Ok::<(), amacrine::scene::SceneError>(())
 /// ```
 pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+    if spec == BUNDLED && !Path::new(spec).exists() {
+        return bundled_with(options);
+    }
     shown(options.view, whole(spec, options)?)
 }
 

@@ -35,18 +35,18 @@ impl Report {
         let lacking = [
             (
                 photographs.len(),
-                "photograph (or video) is held out",
-                "photographs: at least 10, of which a fifth is held out",
+                "photograph or video is held out",
+                "photographs, at least 10, of which a fifth is held out: a video is one scene",
             ),
             (
                 seeds.len(),
                 "seed has run",
-                "seeds, such as `seeds = [1, 2, 3]`",
+                "more seeds, such as `seeds = [1, 2, 3]`",
             ),
         ];
         for (_, what, more) in lacking.iter().filter(|(count, ..)| *count == 1) {
             notes.push(format!(
-                "only one {what}, and one says nothing of others: no difference is shown; take more {more}"
+                "only one {what}, and one says nothing of others: no difference is shown; take {more}"
             ));
         }
         let metrics = self.metrics();

@@ -139,7 +139,10 @@ impl Report {
             record.crop,
             record.crop,
             counted(count(&|row| row.clip.to_string()), "clip"),
-            counted(count(&|row| row.photograph.clone()), "held-out photograph"),
+            match count(&|row| row.photograph.clone()) {
+                1 => "1 held-out photograph or video".to_owned(),
+                more => counted(more, "held-out photograph"),
+            },
         )
     }
 

@@ -190,7 +190,7 @@ pub(super) const SCENES: Table = Table::new(&[
     Key::optional(
         "video",
         Kind::Name,
-        "a video, from the task file on, or a pattern, in place of photographs, as `amacrine run` takes it; for interpolation",
+        "a video, from the task file on, a pattern or `bundled`, in place of photographs, as `amacrine run` takes it; for interpolation",
     )
     .example("video = \"a/video.mp4\""),
     Key::with_default(

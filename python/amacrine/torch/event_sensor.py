@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import weakref
 from typing import Any, NamedTuple
 
@@ -34,7 +33,7 @@ class Watched(NamedTuple):
     voxels: torch.Tensor
     """Voxels in events, (B,T,K,H,W), or (T,K,H,W) of one clip: a bin for each frame, centred on it,
     which shares an event with the bin of the frame beside it. To stack bins and kinds for a
-    convolution: ``voxels.flatten(1, 2)``."""
+    convolution: ``voxels.flatten(1, 2)`` of clips, ``voxels.flatten(0, 1)`` of one."""
     counts: torch.Tensor
     """ON less OFF between each two frames, (B,T-1,K,H,W), or (T-1,K,H,W) of one clip."""
     events: torch.Tensor
@@ -191,10 +190,7 @@ class EventSensor(torch.nn.Module):
         seconds(2, fps, None)
         self.fps, self.rule, self.slope = arguments.rate(fps), rule, slope
         self.scale = None if scale is None else arguments.scale(scale)
-        help = "give a part of 1, such as phase=0.3"
-        self.phase = None if phase is None else arguments.number("phase", phase, help)
-        if self.phase is not None and not math.isfinite(self.phase):
-            raise Error(f"phase = {self.phase}\nhelp: {help}")
+        self.phase = arguments.phase(phase)
         self.seed = arguments.whole("seed", seed)
         # What no clip passes is told here, not after the first.
         side = self.kernels.shape[-1]
