@@ -1,5 +1,7 @@
 //! What is shown to sensors, the same for every verb that has a scene of its own to show: the
-//! scene, its rate, and what its samples mean.
+//! scene, and how it is read.
+
+use std::path::Path;
 
 use super::{files::Named, heading, light::Samples};
 use crate::{
@@ -17,15 +19,41 @@ pub(super) fn goes_on(scene: &str) -> bool {
     scene.starts_with("pattern:") && !scene.contains("frames=")
 }
 
-/// `--scene`, `--fps`, and what its samples mean.
+/// A scene that must be given, and how it is read.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct GivenScene {
+    /// Scene: a clip, a folder of pictures, a picture, a .npy, a pattern, or `bundled`
+    ///
+    /// Clips are .y4m, .mp4, .mov, .m4v, .gif and .apng, pictures .png, .pgm, .ppm and .pnm. A
+    /// folder is shown in the order of the numbers in its names. A .npy has the shape (T,H,W). A
+    /// pattern is pattern:NAME?key=value (see `amacrine list patterns`).
+    #[arg(long, alias = "image")]
+    pub(super) scene: Named,
+    #[command(flatten)]
+    pub(super) samples: Samples,
+}
+
+impl GivenScene {
+    /// The scene from its start; what is seen of it is noted.
+    ///
+    /// # Errors
+    /// When it cannot be opened.
+    pub(super) fn open(&self, observation: &Observation) -> Result<Box<dyn Scene>, SceneError> {
+        self.samples.open(Some(&self.scene), observation)
+    }
+
+    /// What a sensor made of it is called.
+    pub(super) fn seen_by(&self, sensor: &Path) -> String {
+        format!("{} seen by {}", self.scene, sensor.display())
+    }
+}
+
+/// A scene that may be given, and how it is read.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct Clip {
     /// Scene: a clip, image folder, .npy or pattern [default: the bundled clip]
     #[arg(long, alias = "image", help_heading = heading::SCENE)]
     scene: Option<Named>,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, help_heading = heading::SCENE)]
-    fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
 }
@@ -36,8 +64,7 @@ impl Clip {
     /// # Errors
     /// When it cannot be opened.
     pub(super) fn open(&self, observation: &Observation) -> Result<Box<dyn Scene>, SceneError> {
-        self.samples
-            .open(self.scene.as_deref(), self.fps, observation)
+        self.samples.open(self.scene.as_deref(), observation)
     }
 
     /// Refuses a scene that is larger than the chip's array.
@@ -62,15 +89,12 @@ impl Clip {
 
     /// Frames per second, where they were given.
     pub(super) const fn fps(&self) -> Option<f64> {
-        self.fps
+        self.samples.fps()
     }
 
     /// The options that were given, as they are written.
     pub(super) fn written(&self) -> Vec<(&'static str, String)> {
         let scene = { self.scene.as_deref() }.map(|scene| ("scene", scene.to_owned()));
-        let fps = self.fps.map(|fps| ("fps", fps.to_string()));
-        let mut all: Vec<_> = scene.into_iter().chain(fps).collect();
-        all.extend(self.samples.written());
-        all
+        scene.into_iter().chain(self.samples.written()).collect()
     }
 }

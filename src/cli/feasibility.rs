@@ -335,9 +335,7 @@ impl Arguments {
         if !self.threshold.is_empty() {
             line.option("threshold", &list(&self.threshold));
         }
-        for (name, value) in self.clip.written() {
-            line.option(name, &value);
-        }
+        line.options(self.clip.written());
         if let Some(to) = self.to {
             line.option("to", &to.to_string());
         }

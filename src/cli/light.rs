@@ -17,9 +17,12 @@ use crate::{
     },
 };
 
-/// `--range`, `--transfer` and `--scale`.
+/// How a scene is read: its rate, what its samples mean, and which part of it is shown.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Samples {
+    /// Frames per second, in place of what the scene says
+    #[arg(long, help_heading = heading::SCENE)]
+    fps: Option<f64>,
     /// Sample values of black and white
     #[arg(long, value_enum, default_value = "auto", help_heading = heading::SCENE)]
     range: Asked,
@@ -96,16 +99,16 @@ impl Samples {
         }
     }
 
-    /// How a scene is opened: within what may be held.
-    pub fn opening(&self, fps: Option<f64>) -> OpenOptions {
-        OpenOptions {
-            coding: self.coding(),
-            view: View {
-                slice: self.slice,
-                crop: self.crop,
-                resize: self.resize,
-            },
-            ..budget::opening(fps)
+    /// Frames per second, where they are said.
+    pub const fn fps(&self) -> Option<f64> {
+        self.fps
+    }
+
+    /// The same with this rate, where none is said.
+    pub fn or_fps(&self, fps: Option<f64>) -> Self {
+        Self {
+            fps: self.fps.or(fps),
+            ..self.clone()
         }
     }
 
@@ -114,17 +117,24 @@ impl Samples {
         self.slice.is_some()
     }
 
-    /// The scene, or the bundled clip; what is seen of it is noted.
+    /// The scene, or the bundled clip, within what may be held; what is seen of it is noted.
     ///
     /// # Errors
     /// When it cannot be opened.
     pub fn open(
         &self,
         scene: Option<&str>,
-        fps: Option<f64>,
         observation: &Observation,
     ) -> Result<Box<dyn Scene>, SceneError> {
-        let options = self.opening(fps);
+        let options = OpenOptions {
+            coding: self.coding(),
+            view: View {
+                slice: self.slice,
+                crop: self.crop,
+                resize: self.resize,
+            },
+            ..budget::opening(self.fps)
+        };
         let scene = match scene {
             Some(scene) => open(scene, &options)?,
             None => bundled_with(&options)?,
@@ -134,24 +144,36 @@ impl Samples {
 
     /// The options that are not what they are when left out, as they are written.
     pub fn written(&self) -> Vec<(&'static str, String)> {
-        let Coding {
-            range,
-            transfer,
+        // Each is named here, so that none is forgotten.
+        let Self {
+            fps,
+            range: _,
+            transfer: _,
             scale,
+            slice,
+            crop,
+            resize,
+        } = self;
+        let Coding {
+            range, transfer, ..
         } = self.coding();
-        let range = range.map(|range| ("range", range.word().to_owned()));
         let transfer = match transfer {
             None => Some("auto"),
             Some(Transfer::AsCoded) => None,
             Some(transfer) => Some(transfer.word()),
         };
-        let transfer = transfer.map(|name| ("transfer", name.to_owned()));
-        let scale = scale.map(|scale| ("scale", scale.to_string()));
-        let slice = self.slice.map(|slice| ("slice", slice.to_string()));
-        let crop = self.crop.map(|crop| ("crop", crop.to_string()));
-        let resize = self.resize.map(|size| ("resize", size.to_string()));
-        let all = [range, transfer, scale, slice, crop, resize];
-        all.into_iter().flatten().collect()
+        let all = [
+            ("fps", fps.map(|fps| fps.to_string())),
+            ("range", range.map(|range| range.word().to_owned())),
+            ("transfer", transfer.map(str::to_owned)),
+            ("scale", scale.map(|scale| scale.to_string())),
+            ("slice", slice.map(|slice| slice.to_string())),
+            ("crop", crop.map(|crop| crop.to_string())),
+            ("resize", resize.map(|size| size.to_string())),
+        ];
+        all.into_iter()
+            .filter_map(|(name, value)| Some((name, value?)))
+            .collect()
     }
 }
 

@@ -20,10 +20,10 @@ use crate::{
 
 use super::{
     budget,
+    clip::GivenScene,
     fidelity::{KeptOrUnread, chosen, line, make, percent},
-    files::{Input, Named},
-    heading,
-    light::{self, Samples},
+    files::Input,
+    heading, light,
     progress::Progress,
     quantiser::number_format,
     readout,
@@ -36,17 +36,11 @@ use super::{
     after_help = "Example: amacrine plan --scene bundled --sensor dvs-v2e --tolerance 1% --verify"
 )]
 pub struct Arguments {
-    /// Scene, as for `amacrine run`
-    #[arg(long, alias = "image")]
-    scene: Named,
+    #[command(flatten)]
+    given: GivenScene,
     /// Sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
     sensor: Input,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, help_heading = heading::SCENE)]
-    fps: Option<f64>,
-    #[command(flatten)]
-    samples: Samples,
     /// Insert frames, as `amacrine run` does
     #[arg(long, value_name = "CONTRAST", value_parser = light::contrast, help_heading = heading::SCENE)]
     upsample: Option<f64>,
@@ -148,20 +142,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         tiles: None,
     };
     let observation = Observation::new();
-    let samples = &arguments.samples;
-    let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
+    let open = || arguments.given.open(&observation);
     let source = KeptOrUnread::new(true, open)?;
     let KeptOrUnread::Kept(kept) = source else {
         return Err(miette!(
             help = "take a shorter or smaller scene; amacrine run --fidelity auto takes it, by rules that need no measurement",
             "{} is too long to be kept in memory, and a pilot looks at all of it",
-            arguments.scene
+            arguments.given.scene
         ));
     };
     light::check_frames(kept.len() as u64)?;
     let events = events(arguments, &description, &kept)?;
     let plan = make(&question, Some(&kept))
-        .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+        .wrap_err_with(|| arguments.given.seen_by(&arguments.sensor))?;
     let limit = Limit {
         events,
         ..Limit::default()
@@ -271,7 +264,7 @@ impl Told<'_> {
             arguments, plan, ..
         } = self;
         let mut json = serde_json::to_value(plan).into_diagnostic()?;
-        json["scene"] = (*arguments.scene).into();
+        json["scene"] = (*arguments.given.scene).into();
         json["sensor"] = arguments.sensor.display().to_string().into();
         json["tolerance"] = arguments.asked.tolerance.into();
         json["within_us"] = arguments.asked.within.0.into();
@@ -299,7 +292,7 @@ impl Told<'_> {
         } = self;
         let mut text = format!(
             "scene    {}, {}, {}\n\n",
-            arguments.scene,
+            arguments.given.scene,
             kept.size(),
             counted(kept.len(), "frame")
         );

@@ -34,6 +34,13 @@ impl CommandLine {
         self.0 += name;
         self.word(value);
     }
+
+    /// Several of them.
+    pub fn options(&mut self, options: impl IntoIterator<Item = (&'static str, String)>) {
+        for (name, value) in options {
+            self.option(name, &value);
+        }
+    }
 }
 
 impl fmt::Display for CommandLine {

@@ -32,12 +32,12 @@ use crate::{
 use super::{
     budget,
     changed::{Changes, Found},
+    clip::GivenScene,
     content::Content,
     event_output::EventOutput,
     fidelity::{Fidelity, KeptOrUnread, make},
-    files::{self, Input, Named, Output},
-    heading,
-    light::{self, Samples},
+    files::{self, Input, Output},
+    heading, light,
     list::{bundled, of_another_kind},
     progress::Progress,
     quantiser::number_format,
@@ -51,23 +51,13 @@ use super::{
     after_help = "Example: amacrine run --scene bundled --sensor rgc --upsample 0.1 --events out/events.npy"
 )]
 pub struct Arguments {
-    /// Scene: a clip, a folder of pictures, a picture, a .npy, a pattern, or `bundled`
-    ///
-    /// Clips are .y4m, .mp4, .mov, .m4v, .gif and .apng, pictures .png, .pgm, .ppm and .pnm. A
-    /// folder is shown in the order of the numbers in its names. A .npy has the shape (T,H,W). A
-    /// pattern is pattern:NAME?key=value (see `amacrine list patterns`).
-    #[arg(long, alias = "image")]
-    scene: Named,
+    #[command(flatten)]
+    given: GivenScene,
     /// Sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
     sensor: Input,
     #[command(flatten)]
     changes: Changes,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, help_heading = heading::SCENE)]
-    fps: Option<f64>,
-    #[command(flatten)]
-    samples: Samples,
     /// Insert frames so that light changes by at most this contrast from one to the next
     ///
     /// The contrast is the largest change of ln(light + 1) at any pixel, for light from 0 to 255;
@@ -138,12 +128,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let without = arguments.without.told();
     arguments.fidelity.check_without(&without)?;
     let observation = Observation::new();
-    let samples = &arguments.samples;
-    let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
+    let open = || arguments.given.open(&observation);
     let shown = || -> Result<Box<dyn Scene>, SceneError> {
         // What is seen of it is noted in the run itself.
-        let unseen = Observation::new();
-        let scene = samples.open(Some(&arguments.scene), arguments.fps, &unseen)?;
+        let scene = arguments.given.open(&Observation::new())?;
         upsample::by_contrast(scene, arguments.upsample)
     };
     // What is left out goes last, so that no change puts it back; thresholds for a rate are those of
@@ -255,8 +243,8 @@ impl Arguments {
         let crop = self.counts.is_none() && self.voxels.is_none();
         let question = self.fidelity.question(sensor, self.upsample, readout, crop);
         let source = KeptOrUnread::new(question.looks(), open)?;
-        let plan = make(&question, source.kept())
-            .wrap_err_with(|| format!("{} seen by {}", self.scene, self.sensor.display()))?;
+        let plan =
+            make(&question, source.kept()).wrap_err_with(|| self.given.seen_by(&self.sensor))?;
         Ok((plan, source.scene()))
     }
 }
@@ -286,8 +274,7 @@ fn watched(
     let mut warnings = Warning::of_scene(observation, description.response);
     warnings.extend(found.and_then(|found| found.warning(&description.name)));
     light::warn(&warnings);
-    let mut watched = watched
-        .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+    let mut watched = watched.wrap_err_with(|| arguments.given.seen_by(&arguments.sensor))?;
     light::warn(&watched.warnings);
     warnings.append(&mut watched.warnings);
     if arguments.json {
@@ -586,7 +573,7 @@ impl Watched {
             .collect::<Vec<_>>();
         json!({
             "sensor": description.name,
-            "scene": arguments.scene,
+            "scene": arguments.given.scene,
             "format": arguments.format.to_string(),
             "width": self.size.width,
             "height": self.size.height,
@@ -706,7 +693,7 @@ impl Watched {
             ),
             format!(
                 "scene    {}, {}, {}{} in {:.6} s, {} frames/s{}",
-                arguments.scene,
+                arguments.given.scene,
                 self.size,
                 counted(self.frames, "frame"),
                 put_in,

@@ -49,6 +49,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
+    mut_arg("fps", |fps| fps.requires("scene").conflicts_with("filter_only")),
     override_usage = "amacrine compile [OPTIONS] <KERNELS>...\n       amacrine compile [OPTIONS] --sensor <SENSOR.toml>",
     after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile csdvs-3 --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor rgc-4-on-chip --to ternary -o four.scamp"
 )]
@@ -129,9 +130,6 @@ pub struct Arguments {
     /// Scene on which the events are counted: a clip, image folder, .npy or pattern
     #[arg(long, conflicts_with = "filter_only", alias = "image", help_heading = heading::SCENE)]
     scene: Option<Named>,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, requires = "scene", conflicts_with = "filter_only", help_heading = heading::SCENE)]
-    fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
     /// Readout: how the events leave the chip

@@ -156,7 +156,7 @@ pub(super) fn check_scene(arguments: &Arguments, device: &Device) -> miette::Res
         return Ok(());
     }
     let unseen = Observation::new();
-    let scene = arguments.samples.open(Some(name), arguments.fps, &unseen)?;
+    let scene = arguments.samples.open(Some(name), &unseen)?;
     Ok(Larger::check(
         &format!("--scene {name}"),
         scene.size(),
@@ -174,9 +174,7 @@ fn watched(
     device: &Device,
 ) -> miette::Result<Demand> {
     let name = arguments.scene.as_deref().unwrap_or_default();
-    let mut scene = arguments
-        .samples
-        .open(Some(name), arguments.fps, observation)?;
+    let mut scene = arguments.samples.open(Some(name), observation)?;
     let size = scene.size();
     Larger::check(&format!("--scene {name}"), size, device)?;
     // Whole rows, so that no event goes missing for want of a slot.

@@ -329,11 +329,8 @@ impl Arguments {
     fn commands(&self, written: &Written, frames: u64) -> [String; 3] {
         let scene = self.clip.given().unwrap_or("bundled");
         let light = |line: &mut CommandLine| {
-            for (name, value) in self.clip.written() {
-                if name != "scene" {
-                    line.option(name, &value);
-                }
-            }
+            let all = self.clip.written().into_iter();
+            line.options(all.filter(|(name, _)| *name != "scene"));
         };
         let of_program = |verb| {
             let mut line = CommandLine::new(verb);

@@ -67,9 +67,7 @@ pub(super) fn page(
 fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> String {
     let mut line = CommandLine::new("feasibility");
     line.word(&sensor.display().to_string());
-    for (name, value) in arguments.clip.written() {
-        line.option(name, &value);
-    }
+    line.options(arguments.clip.written());
     line.option("to", &candidate.to.to_string());
     line.option("candidates", &candidate.to.to_string());
     line.option("sum", arguments.sum.name());

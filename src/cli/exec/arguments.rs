@@ -40,9 +40,6 @@ pub struct Arguments {
     /// Default: the whole clip if --image names one, else as many as the program's settings say.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) frames: Option<u64>,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, help_heading = heading::SCENE)]
-    pub(super) fps: Option<f64>,
     #[arg(long, help = format!("Arithmetic of the cells: {} [default: as the program says, else exact]", Arithmetic::names()))]
     pub(super) domain: Option<String>,
     /// Clip every store to the chip's range

@@ -137,15 +137,18 @@ impl Light {
             }
             arguments.source.folder().join(image).display().to_string()
         });
-        let asked = arguments.fps.or(program.settings.fps);
+        let samples = arguments.samples.or_fps(program.settings.fps);
         let image = arguments.image.as_deref().or(own.as_deref());
         if let (None, Some(image)) = (&arguments.image, image) {
             files::reads(Path::new(image))?;
         }
         let scene = image
-            .map(|spec| arguments.samples.open(Some(spec), asked, observation))
+            .map(|spec| samples.open(Some(spec), observation))
             .transpose()?;
-        if let (None, Some((option, value))) = (&scene, arguments.samples.written().first()) {
+        // A program has a rate without light, too.
+        let mut changes = samples.written().into_iter();
+        let change = changes.find(|(option, _)| *option != "fps");
+        if let (None, Some((option, value))) = (&scene, change) {
             return Err(miette!(
                 help = "show a scene (--image SCENE); registers are set to the numbers that a file has",
                 "--{option} {value}: there is no scene whose light it could change"
@@ -155,7 +158,7 @@ impl Light {
         let own = program.settings.frames;
         // A clip that was asked for is shown as it is, whatever the program says of its own; a pattern
         // is one where it is said how many frames it has.
-        let is_endless = image.is_some_and(goes_on) && !arguments.samples.has_slice();
+        let is_endless = image.is_some_and(goes_on) && !samples.has_slice();
         let clip = arguments.image.is_some()
             && scene
                 .as_deref()
@@ -184,7 +187,7 @@ impl Light {
             scene,
             frames,
             stated,
-            fps: asked.unwrap_or(found),
+            fps: samples.fps().unwrap_or(found),
         })
     }
 

@@ -9,14 +9,7 @@ use super::{
     output::{Show, say_json},
 };
 use crate::{
-    cli::{
-        budget,
-        content::Content,
-        files::{Named, Output},
-        heading,
-        light::{self, Samples},
-        say,
-    },
+    cli::{budget, clip::GivenScene, content::Content, files::Output, light, say},
     memory::Need,
     mesh::{Between, Euler, Flow, MeshError, Sheet},
     npy,
@@ -31,6 +24,7 @@ use crate::{
 /// What `mesh step` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
+    mut_arg("scene", |scene| scene.short('s')),
     after_help = "Example: amacrine mesh step --lambda 10 --tau 1ms --scene clip.mp4 --output H.npy\n\nThe sheet starts settled to the first frame. --rule v2e steps it as v2e does, for comparison."
 )]
 pub struct Arguments {
@@ -41,14 +35,8 @@ pub struct Arguments {
     /// With 0us the sheet settles at once.
     #[arg(long, value_name = "TIME")]
     tau: Picos,
-    /// Scene: a clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
-    #[arg(short, long, alias = "image")]
-    scene: Named,
     #[command(flatten)]
-    samples: Samples,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, help_heading = heading::SCENE)]
-    fps: Option<f64>,
+    given: GivenScene,
     /// Conversion of light to the signal, as in a sensor file
     ///
     /// Such as identity, or { log = { white = 255, offset = 1e-5 } }.
@@ -152,9 +140,7 @@ const PLANES: u128 = 14;
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let sheet = arguments.constants.sheet()?;
     let observation = Observation::new();
-    let scene = arguments
-        .samples
-        .open(Some(&arguments.scene), arguments.fps, &observation)?;
+    let scene = arguments.given.open(&observation)?;
     let size = scene.size();
     let layers = asked(arguments, &*scene);
     let need = budget::of_scene(&*scene);
@@ -166,7 +152,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         if layers.is_none() {
             check(need.clone(), size, frame.index + 1)?;
         }
-        let in_frame = || format!("frame {} of {}", frame.index, arguments.scene);
+        let in_frame = || format!("frame {} of {}", frame.index, arguments.given.scene);
         let signal = signal(arguments.response, &frame).wrap_err_with(in_frame)?;
         let moved = match sheet_now.take() {
             None => Moved::begin(sheet, arguments.tau.seconds(), arguments.rule, &signal),

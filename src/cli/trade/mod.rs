@@ -12,10 +12,10 @@ use miette::miette;
 use self::table::Table;
 use super::{
     budget,
+    clip::GivenScene,
     content::Content,
     files::{Input, Named, Output},
-    heading,
-    light::{self, Samples},
+    heading, light,
     progress::Progress,
     quantiser::number_format,
 };
@@ -41,9 +41,8 @@ use crate::{
     after_help = "Examples:\n  amacrine trade --scene bundled --sensor rgc -o trade.svg\n  amacrine trade --scene bundled --program dvs/snap -o trade.svg\n  amacrine trade --scene bundled --sensor csdvs --upsample 0.2 --verify\n\nEach model runs on the same sample of tiles beside the full one. docs/fidelity.md says what the\nlimit of a change means, and what a sample cannot see."
 )]
 pub struct Arguments {
-    /// Scene, as for `amacrine run`
-    #[arg(long, alias = "image")]
-    scene: Named,
+    #[command(flatten)]
+    given: GivenScene,
     /// Sensor file; the full model has all its effects, in f64
     ///
     /// Excludes --program and its options.
@@ -65,11 +64,6 @@ pub struct Arguments {
     /// Number of frames of the scene that the program sees, 3 or more [default: all]
     #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..), help_heading = heading::PROGRAM)]
     frames: Option<u64>,
-    /// Frames per second, in place of what the scene says
-    #[arg(long, help_heading = heading::SCENE)]
-    fps: Option<f64>,
-    #[command(flatten)]
-    samples: Samples,
     /// Insert frames, as `amacrine run` does
     ///
     /// Excludes --program.
@@ -142,9 +136,7 @@ impl Arguments {
     fn scene(&self) -> miette::Result<Scened> {
         let observation = Observation::new();
         let start = Instant::now();
-        let scene = self
-            .samples
-            .open(Some(&self.scene), self.fps, &observation)?;
+        let scene = self.given.open(&observation)?;
         let mut scene = First::new(scene, self.frames.unwrap_or(u64::MAX));
         let pixels = scene.frames().unwrap_or(0) as u128 * scene.size().pixels() as u128;
         let need = budget::of_scene(&scene).and("the scene, at least a byte a pixel", pixels);
@@ -155,7 +147,7 @@ impl Arguments {
             return Err(miette!(
                 help = "take a shorter or smaller scene, such as the first seconds of this one",
                 "{} is too long to be kept in memory, and every model looks at all of it",
-                self.scene
+                self.given.scene
             ));
         };
         let reading = start.elapsed().as_secs_f64();
@@ -163,7 +155,7 @@ impl Arguments {
             return Err(miette!(
                 help = "give a scene of at least three frames",
                 "{} has {}: nothing can be measured",
-                self.scene,
+                self.given.scene,
                 counted(kept.len(), "frame")
             ));
         }
@@ -195,7 +187,7 @@ impl Arguments {
             scened,
             told: Told {
                 of,
-                scene: &self.scene,
+                scene: &self.given.scene,
                 fps: scened.kept.scene().fps(),
                 full,
                 verify: self.verify,

@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     let scened = arguments.scene()?;
     let size = scened.kept.size();
     Larger::check(
-        &format!("--scene {}", arguments.scene),
+        &format!("--scene {}", arguments.given.scene),
         size,
         &opened.device,
     )?;
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
 fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) -> String {
     let mut line = CommandLine::new("exec");
     line.word(&path.display().to_string());
-    line.option("image", &arguments.scene);
+    line.option("image", &arguments.given.scene);
     line.option("frames", &frames.to_string());
     if let Some(chip) = &arguments.chip {
         line.option("chip", chip);
@@ -88,7 +88,7 @@ fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) ->
     for (name, value) in &arguments.constants {
         line.option("const", &format!("{name}={value}"));
     }
-    arguments.light(&mut line);
+    line.options(arguments.given.samples.written());
     let domain = match setup.machine.format {
         Some(format) => Arithmetic::Number(format),
         None => Arithmetic::Silicon { seed: 0 },

@@ -49,9 +49,9 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
 /// The command that runs a model.
 fn command(arguments: &Arguments, sensor: &Input, choice: &Choice) -> String {
     let mut line = CommandLine::new("run");
-    line.option("scene", &arguments.scene);
+    line.option("scene", &arguments.given.scene);
     line.option("sensor", &sensor.display().to_string());
-    arguments.light(&mut line);
+    line.options(arguments.given.samples.written());
     if let Some(contrast) = arguments.upsample
         && !choice.leaves_out(Effect::InsertedFrames)
     {
@@ -71,16 +71,4 @@ fn command(arguments: &Arguments, sensor: &Input, choice: &Choice) -> String {
         line.option("without", &without.join(","));
     }
     line.to_string()
-}
-
-impl Arguments {
-    /// The options of the scene that are not what they are when left out.
-    pub(super) fn light(&self, line: &mut CommandLine) {
-        if let Some(fps) = self.fps {
-            line.option("fps", &fps.to_string());
-        }
-        for (name, value) in self.samples.written() {
-            line.option(name, &value);
-        }
-    }
 }

@@ -30,7 +30,7 @@ impl<M> Table<'_, M> {
         let Scened { kept, reading, .. } = self.scened;
         format!(
             "{}, {}, {}; reading it takes {} more, whatever runs",
-            self.arguments.scene,
+            self.arguments.given.scene,
             kept.size(),
             counted(kept.len(), "frame"),
             seconds(*reading)
@@ -143,7 +143,7 @@ impl<M> Table<'_, M> {
         let points = points.collect::<miette::Result<Vec<Value>>>()?;
         let knee = trade.knee();
         Ok(json!({
-            "scene": *self.arguments.scene,
+            "scene": *self.arguments.given.scene,
             "of": self.told.of,
             "full": self.told.full,
             "frames": self.scened.kept.len(),
