@@ -548,7 +548,7 @@ fn quantisers() -> String {
 }
 
 /// Memories of a float sensor in a study.
-const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
+pub(super) const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
 
 fn remembered(name: &str) -> Result<String, (String, String)> {
     match name.parse::<DriveMemory>() {
