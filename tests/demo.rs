@@ -16,6 +16,7 @@ use amacrine::{
     },
     scene::bundled,
     study::{
+        design::Design,
         feasibility::{CANDIDATES, Question},
         quantisation::{self, Outcome, Row},
     },
@@ -56,13 +57,15 @@ fn candidates() -> Vec<(Quantiser, Row)> {
         .map(|name| name.parse().unwrap())
         .collect();
     let asked = quantisation::Question {
-        kernel: &kernel,
-        threshold: number(demo(), "threshold"),
+        design: Design {
+            kernel: &kernel,
+            threshold: number(demo(), "threshold"),
+            device: &device,
+            effort: Effort::seconds(1.0),
+            seed: 0,
+        },
         quantisers: &quantisers,
         sum: Sum::Kept,
-        device: &device,
-        effort: Effort::seconds(1.0),
-        seed: 0,
         within: Micros(100_000),
     };
     let answer = quantisation::ask(&asked, &bundled, |_| {}).unwrap();

@@ -223,19 +223,14 @@ fn verbs() {
     assert!(page.contains(&list), "README.md: {list}");
 }
 
-/// Who may name a transfer: the command line, studies, Python.
+/// Who may name a transfer: the command line and studies.
 #[test]
 fn transfers() {
     let help = good(root(), &["run", "--help"]);
     let schema = good(root(), &["schema", "study"]);
-    let python = fs::read_to_string(root().join("python/amacrine/frames.py")).unwrap();
     for word in Transfer::WORDS {
         assert!(help.contains(&format!("- {word}:")), "run --help: {word}");
         assert!(schema.contains(&format!("\"{word}\"")), "study: {word}");
-        assert!(
-            python.contains(&format!("    \"{word}\",")),
-            "frames.py: {word}"
-        );
     }
 }
 

@@ -24,6 +24,7 @@ use amacrine::{
     scene::{self, OpenOptions, Scene},
     sensor::Sensor,
     study::{
+        StudyError,
         design::{Design, DesignError},
         quantisation,
         together::Together,
@@ -357,7 +358,7 @@ fn what_does_not_fit_is_said() {
     };
     let error = asked(&large);
     assert!(
-        matches!(&error, WaterfallError::Design(design) if design.is_refusal()),
+        matches!(&error, WaterfallError::Study(StudyError::Design(design)) if design.is_refusal()),
         "{error}"
     );
     assert!(error.to_string().contains("words"), "{error}");
@@ -368,7 +369,7 @@ fn what_does_not_fit_is_said() {
     let error = asked(&nothing);
     assert!(matches!(
         error,
-        WaterfallError::Design(DesignError::Threshold(0.0))
+        WaterfallError::Study(StudyError::Design(DesignError::Threshold(0.0)))
     ));
     let silent = Question {
         arithmetic: Arithmetic::Number(Format::F64),
@@ -595,13 +596,9 @@ fn its_headline_is_that_of_quantise() {
     };
     let own = fall(&question).likeness;
     let asked = quantisation::Question {
-        kernel: &kernel,
-        threshold: 12.3,
+        design: question.design,
         quantisers: &[to],
         sum: question.sum,
-        device: &device,
-        effort: question.design.effort,
-        seed: 1,
         within: WITHIN,
     };
     let open = || scene::open(SCENE, &OpenOptions::default());
@@ -749,7 +746,7 @@ fn rates_that_show_nothing_are_refused() {
     for rate in [1.0, 1e9, 0.0, f64::NAN] {
         let error = fall.rates(&choice(&[rate], 1), &open, &|| {}).unwrap_err();
         let is_rate = matches!(error, WaterfallError::Rate { most: 4000, .. });
-        let is_bad = matches!(error, WaterfallError::Scene(_));
+        let is_bad = matches!(error, WaterfallError::Study(StudyError::Scene(_)));
         assert!(if rate >= 1.0 { is_rate } else { is_bad }, "{error}");
         // The same is known before anything is compiled.
         let scene = open().unwrap();

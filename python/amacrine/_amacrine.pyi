@@ -21,6 +21,14 @@ _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
 __version__: str
 ASSUMED_FPS: float
 """Frames per second where nobody says it."""
+MEMORIES: tuple[str, ...]
+"""What an event may do to the memory of a sensor that is made of arguments."""
+RANGES: tuple[str, ...]
+TRANSFERS: tuple[str, ...]
+"""What the samples of a clip may be taken for."""
+OF_SENSOR: tuple[str, ...]
+OF_PROGRAM: tuple[str, ...]
+"""Number formats that a trade tries where none are named."""
 
 class Error(ValueError):
     """What is wrong, in the words of the command line: what was given, what was expected, and

@@ -23,18 +23,6 @@ GRAY_THIRD = (
 )
 """What makes colour gray, of arrays and of tensors alike."""
 
-RANGES = ("auto", "limited", "full")
-TRANSFERS = (
-    "auto",
-    "as-coded",
-    "linear",
-    "srgb",
-    "bt709",
-    "gamma22",
-    "gamma28",
-    "smpte240m",
-)
-
 
 class Clips(NamedTuple):
     """Clips of one size."""
@@ -201,8 +189,8 @@ def load(
     by = None if scale is None else arguments.scale(scale)
     name = None if scene is None else str(scene)
     coded = (
-        arguments.one_of("range", range, RANGES),
-        arguments.one_of("transfer", transfer, TRANSFERS),
+        arguments.one_of("range", range, _amacrine.RANGES),
+        arguments.one_of("transfer", transfer, _amacrine.TRANSFERS),
     )
     part = (
         arguments.word_or_none("slice", slice, "2s..5s"),

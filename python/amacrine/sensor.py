@@ -38,9 +38,6 @@ UNIT = "in units of the response"
 UNIT_OF_COMPILED = "in units of kernel times light (0 to 255)"
 """That of those who take kernels: :func:`compile`, and the studies."""
 
-MEMORIES = ("filtered-step", "filtered-snap", "raw-snap")
-"""What an event may do to the memory of a sensor that is made of arguments."""
-
 PART = 16
 """Frames that are watched before windows that are over are handed on."""
 
@@ -470,7 +467,7 @@ class Sensor(EventSensor):
                 f"memory = {memory!r} needs a kernel for the memory and the authors' refractory rule\n"
                 "help: write a sensor file with its memory-kernel, for Sensor.from_text or from_file"
             )
-        arguments.one_of("memory", memory, MEMORIES)
+        arguments.one_of("memory", memory, _amacrine.MEMORIES)
         head = {
             "name": name,
             "response": {"linear": 255} if response is None else response,

@@ -45,10 +45,6 @@ MOST_FALLEN = 1000
 
 MOST_RUNS = (1 << 32) - 1
 
-OF_SENSOR = ("f32", "f16", "bf16", "q16.16", "q8.8")
-OF_PROGRAM = ("exact", "f32", "f16", "q8.8")
-"""Number formats that are tried where none are named."""
-
 
 @dataclass(frozen=True, eq=False)
 class Quantised:
@@ -483,14 +479,14 @@ def trade(
         if upsample is not None:
             raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
         full = "silicon" if domain is None else word("domain", domain, "silicon")
-        numbers = names("formats", OF_PROGRAM if formats is None else formats)
+        numbers = names("formats", _amacrine.OF_PROGRAM if formats is None else formats)
         called = "program", more
         found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how, called)
         return Answer.parse(found[0], drawing=found[1], rows="points")
     if domain is not None:
         raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
     contrast = arguments.contrast(upsample)
-    numbers = names("formats", OF_SENSOR if formats is None else formats)
+    numbers = names("formats", _amacrine.OF_SENSOR if formats is None else formats)
     called = ("sensor" if how[1] == own else f"sensor.with_seed({how[1]})"), more
     found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how, called)
     return Answer.parse(found[0], drawing=found[1], rows="points")

@@ -30,9 +30,13 @@ mod sweep;
 mod tensor;
 mod watcher;
 
-use amacrine::scene::ASSUMED_FPS;
+use amacrine::{
+    reference::MemoryRule,
+    scene::{ASSUMED_FPS, Range, Transfer},
+    study::trade::{OF_PROGRAM, OF_SENSOR},
+};
 use numpy::PyArray1;
-use pyo3::{prelude::*, wrap_pyfunction};
+use pyo3::{prelude::*, types::PyTuple, wrap_pyfunction};
 
 #[pymodule]
 fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -43,6 +47,21 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("NotFinite", py.get_type::<error::NotFinite>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("ASSUMED_FPS", ASSUMED_FPS)?;
+    // That of the authors needs a kernel for the memory, for which there is no argument.
+    let authors = MemoryRule::AuthorsPixelStep.word();
+    let memories = MemoryRule::WORDS.iter().rev();
+    for (name, words) in [
+        (
+            "MEMORIES",
+            memories.copied().filter(|word| *word != authors).collect(),
+        ),
+        ("RANGES", [&["auto"][..], Range::WORDS].concat()),
+        ("TRANSFERS", [&["auto"][..], Transfer::WORDS].concat()),
+        ("OF_SENSOR", OF_SENSOR.to_vec()),
+        ("OF_PROGRAM", OF_PROGRAM.to_vec()),
+    ] {
+        module.add(name, PyTuple::new(py, words)?)?;
+    }
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;

@@ -12,7 +12,10 @@
 
 use serde::Serialize;
 
-use super::design::{Design, DesignError};
+use super::{
+    StudyError,
+    design::{Design, DesignError},
+};
 use crate::{
     compare::{
         CompareError, Pair, Sorted,
@@ -24,7 +27,7 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{Description, MemoryRule},
-    rig::{self, RigError, guard::Warning},
+    rig::{self, guard::Warning},
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::{Micros, frame_rate},
@@ -391,7 +394,7 @@ pub fn tune(
     scene: &mut dyn Scene,
     judged: &mut [(&Packet, &mut Likeness)],
     seen: impl FnMut(&Frame),
-) -> Result<(), EquivalentError> {
+) -> Result<(), StudyError> {
     let size = scene.size();
     let parts: Vec<Option<f64>> = { judged.iter() }
         .map(|(packet, _)| ladder.part_of(packet.events.len() as u64))
@@ -415,23 +418,6 @@ pub fn tune(
         ladder.tune(likeness, packet, (part, tuned))?;
     }
     Ok(())
-}
-
-/// Why nothing can be told.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum EquivalentError {
-    /// A float sensor cannot be made.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Design(#[from] DesignError),
-    /// Scene or sensor cannot go on.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Rig(#[from] RigError),
-    /// The packets have nothing in common.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Compare(#[from] CompareError),
 }
 
 /// The value between two of which this abscissa lies, over the value's logarithm.

@@ -4,8 +4,9 @@
 use serde::Serialize;
 
 use super::{
+    StudyError,
     design::{Design, quantise_all},
-    equivalent::{EquivalentError, Likeness},
+    equivalent::Likeness,
     together::{self, Together},
 };
 use crate::{
@@ -91,7 +92,7 @@ impl Joint {
         (within, scene): (Micros, &mut dyn Scene),
         guard: &mut Guard,
         seen: impl FnMut(),
-    ) -> Result<Self, EquivalentError> {
+    ) -> Result<Self, StudyError> {
         let outcome = match quantise_all(floats, to, sum)? {
             Err(why) => JointOutcome::Refused(vec![why]),
             Ok(few) => {
@@ -143,7 +144,7 @@ fn run(
     to: Quantiser,
     guard: &mut Guard,
     mut seen: impl FnMut(),
-) -> Result<Vec<JointKind>, EquivalentError> {
+) -> Result<Vec<JointKind>, StudyError> {
     // The frames of this run alone.
     let mut own = Guard::new();
     let seed = floats.first().map_or(0, |float| float.seed);

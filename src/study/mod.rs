@@ -5,6 +5,7 @@ pub mod balance;
 pub mod cells;
 pub mod design;
 pub mod equivalent;
+mod error;
 pub mod execution;
 pub mod expanded;
 pub mod exploration;
@@ -24,3 +25,5 @@ pub mod sweep;
 pub mod together;
 pub mod trade;
 pub mod waterfall;
+
+pub use error::StudyError;

@@ -7,49 +7,36 @@
 
 use crate::{
     array::Arithmetic,
-    compare::CompareError,
-    compile::Effort,
     event::Packet,
-    isa::Device,
-    kernel::{
-        Kernel,
-        quantise::{Erasure, Quantiser, Sum},
-    },
+    kernel::quantise::{Erasure, Quantiser, Sum},
     number::Format,
     plane::Size,
     reference::MemoryRule,
     rig::{
-        self, RigError,
+        self,
         guard::{Guard, Warning},
     },
-    scene::{Frame, Reopen, Scene, SceneError},
+    scene::{Frame, Reopen, Scene},
     unit::Micros,
 };
 
 use super::{
+    StudyError,
     all_events::AllEvents,
     design::{Compiled, Design, DesignError},
-    equivalent::{self, EquivalentError, Ladder, Likeness},
+    equivalent::{self, Ladder, Likeness},
     saturation,
 };
 
 /// What is asked.
 #[derive(Clone, Debug)]
 pub struct Question<'a> {
-    /// The float kernel.
-    pub kernel: &'a Kernel,
-    /// Events where kernel times light (0 to 255) moved by more than this.
-    pub threshold: f64,
+    /// The float cell, and the chip, whose seed is that of the silicon, too.
+    pub design: Design<'a>,
     /// One row each.
     pub quantisers: &'a [Quantiser],
     /// What quantised kernels must sum to.
     pub sum: Sum,
-    /// The chip.
-    pub device: &'a Device,
-    /// How long to search for each program.
-    pub effort: Effort,
-    /// Seed of the search, of stochastic rounding and of the silicon.
-    pub seed: u64,
     /// Events of one pixel and sign that are closer than this match.
     pub within: Micros,
 }
@@ -142,30 +129,20 @@ pub struct Answer {
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum QuantisationError {
-    /// A kernel cannot be quantised as asked, or a sensor not be made.
+    /// What any study can end with.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Design(#[from] DesignError),
-    /// Scene or sensor cannot go on.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Rig(#[from] RigError),
-    /// The packets have nothing in common.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Compare(#[from] CompareError),
-    /// The scene cannot be opened again.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scene(#[from] SceneError),
-    /// Nothing to be told of thresholds.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Equivalent(#[from] EquivalentError),
+    Study(StudyError),
     /// Fewer packets than sensors.
     #[error("{0}: a packet is missing")]
     #[diagnostic(help("this is a fault of amacrine: please report the kernel and the command"))]
     Packet(String),
+}
+
+impl<E: Into<StudyError>> From<E> for QuantisationError {
+    fn from(cause: E) -> Self {
+        Self::Study(cause.into())
+    }
 }
 
 /// Shows the scene to all of them at once, and once more to float sensors of as many events as
@@ -208,7 +185,7 @@ pub(super) fn ask_keeping(
 ) -> Result<(Answer, Kept), QuantisationError> {
     let mut scene = open()?;
     let (size, fps) = (scene.size(), scene.fps());
-    let design = question.design();
+    let design = &question.design;
     let mut built = Vec::new();
     for to in question.quantisers {
         built.push(question.build(*to, size)?);
@@ -222,7 +199,7 @@ pub(super) fn ask_keeping(
         subjects.extend(chips.map(|it| format!("{} {}", one.to, it.chip().domain())));
     }
     let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
-    floats.extend(equivalent::sensors(&design, size, MEMORY)?);
+    floats.extend(equivalent::sensors(design, size, MEMORY)?);
     let mut sensors = rig::each(&mut floats);
     for chip in { built.iter_mut() }
         .filter_map(|one| one.program.as_mut().ok())
@@ -238,7 +215,7 @@ pub(super) fn ask_keeping(
     let [truth, rungs @ ..] = rungs else {
         return Err(QuantisationError::Packet("float".to_owned()));
     };
-    let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
+    let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, design.seed)?;
     guard.packet("the float sensor", truth);
     if !truth.events.is_empty() {
         guard.extend(Warning::window(question.within, ladder.floor()));
@@ -260,7 +237,7 @@ pub(super) fn ask_keeping(
     let mut pairs: Vec<_> = chips.iter().zip(&mut judged).collect();
     equivalent::tune(
         &ladder,
-        &design,
+        design,
         MEMORY,
         &mut *open()?,
         &mut pairs,
@@ -363,18 +340,8 @@ struct Costs {
 }
 
 impl Question<'_> {
-    fn design(&self) -> Design<'_> {
-        Design {
-            kernel: self.kernel,
-            threshold: self.threshold,
-            device: self.device,
-            effort: self.effort,
-            seed: self.seed,
-        }
-    }
-
     fn build(&self, to: Quantiser, size: Size) -> Result<Built, DesignError> {
-        let design = self.design();
+        let design = &self.design;
         let mut built = Built {
             to: to.to_string(),
             relative_error: None,
@@ -388,8 +355,8 @@ impl Question<'_> {
             }
             quantised => quantised?,
         };
-        built.relative_error = Some(quantised.relative_error(self.kernel));
-        built.erasures = quantised.erasures(self.kernel);
+        built.relative_error = Some(quantised.relative_error(design.kernel));
+        built.erasures = quantised.erasures(design.kernel);
         built.program = match design.in_levels(&quantised).compile("quantised") {
             Err(error) if error.is_refusal() => Err(error.to_string()),
             Err(error) => return Err(error),
@@ -405,7 +372,9 @@ impl Question<'_> {
             Ok::<_, DesignError>(compiled.all_events(chip))
         };
         let exact = Arithmetic::Number(Format::F64);
-        let silicon = Arithmetic::Silicon { seed: self.seed };
+        let silicon = Arithmetic::Silicon {
+            seed: self.design.seed,
+        };
         let both = [chip(exact)?, chip(silicon)?];
         let filter = &compiled.program.filter;
         Ok(Chips {
@@ -417,7 +386,7 @@ impl Question<'_> {
                 prescale_bits: filter.prescale,
             },
             both,
-            ends: [exact, silicon].map(|domain| domain.ends(self.device, &settings)),
+            ends: [exact, silicon].map(|domain| domain.ends(self.design.device, &settings)),
             compiled,
         })
     }

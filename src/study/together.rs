@@ -5,8 +5,9 @@
 //! memory of the pixel for all of them stands for one float sensor of `raw-snap`, shared.
 
 use super::{
+    StudyError,
     design::{Compiled, Design, DesignError, float},
-    equivalent::{EquivalentError, Ladder, Likeness, RUNGS, at_part},
+    equivalent::{Ladder, Likeness, RUNGS, at_part},
     expanded::Expanded,
 };
 use crate::{
@@ -150,7 +151,7 @@ impl Together {
         (within, seed): (Micros, u64),
         scene: &mut dyn Scene,
         seen: impl FnMut(&Frame),
-    ) -> Result<(Vec<Judged>, u64), EquivalentError> {
+    ) -> Result<(Vec<Judged>, u64), StudyError> {
         let description = description(self.memory, floats)?;
         let how = (within, seed, 1);
         let shown = judge(&[&self.every_event], &description, how, scene, seen)?;
@@ -246,15 +247,14 @@ pub fn judge(
     (within, seed, chips): (Micros, u64, u64),
     scene: &mut dyn Scene,
     mut seen: impl FnMut(&Frame),
-) -> Result<SceneRun, EquivalentError> {
+) -> Result<SceneRun, StudyError> {
     let (size, fps) = (scene.size(), scene.fps());
     let rung = |part: f64| at_part(description, part);
     let mut models = vec![description.clone()];
     models.extend(RUNGS.into_iter().map(rung));
     let mut sensors: Vec<Box<dyn Sensor + Send>> = Vec::new();
     for model in models {
-        let made = float(model, size, seed, Format::F64).map_err(DesignError::from)?;
-        sensors.push(made);
+        sensors.push(float(model, size, seed, Format::F64)?);
     }
     let silicon = (0..chips.max(1)).map(|n| Arithmetic::Silicon {
         seed: seed.wrapping_add(n),

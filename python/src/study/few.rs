@@ -7,7 +7,7 @@ use amacrine::{
     },
     photoreceptor::Response,
     rig::guard::Warning,
-    study::quantisation,
+    study::{design::Design, quantisation},
 };
 use miette::Report;
 use pyo3::prelude::*;
@@ -113,13 +113,15 @@ pub fn on_chip(
     let answer = source.study(py, Response::IDENTITY, || {
         let fps = open_on(&source, &device)?.fps();
         let question = quantisation::Question {
-            kernel: &kernel,
-            threshold,
+            design: Design {
+                kernel: &kernel,
+                threshold,
+                device: &device,
+                effort,
+                seed,
+            },
             quantisers: &quantisers,
             sum,
-            device: &device,
-            effort,
-            seed,
             within: within(within_us, fps),
         };
         quantisation::ask(&question, &|| source.open(), |_| ()).map_err(Report::new)

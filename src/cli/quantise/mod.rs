@@ -21,7 +21,7 @@ use crate::{
     save::save,
     scene::{Observation, Scene as _},
     study::{
-        design::DesignError,
+        design::{Design, DesignError},
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
     },
@@ -301,13 +301,15 @@ fn on_chip(
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
     let question = Question {
-        kernel,
-        threshold,
+        design: Design {
+            kernel,
+            threshold,
+            device: &device,
+            effort: arguments.effort(),
+            seed: arguments.seed(),
+        },
         quantisers: &arguments.to,
         sum: arguments.sum.into(),
-        device: &device,
-        effort: arguments.effort(),
-        seed: arguments.seed(),
         within: arguments.window.at(fps),
     };
     // All of them at once, and then those of as many events.

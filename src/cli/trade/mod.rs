@@ -29,7 +29,7 @@ use crate::{
     stop::Stop,
     study::{
         pilot::{Family, Look, Survey, plan::KEPT},
-        trade::{Ask, Trade, told::Told, trade},
+        trade::{Ask, OF_PROGRAM, OF_SENSOR, Trade, told::Told, trade},
     },
     unit::{Micros, counted},
 };
@@ -72,7 +72,7 @@ pub struct Arguments {
     /// Seed of mismatch and noise, and of the choice of tiles
     #[arg(long, default_value_t = 0, help_heading = heading::MODELS)]
     seed: u64,
-    #[arg(long, help = format!("Number formats to try in place of the full model's: {} [default: {} for a sensor, {} for a program]", Format::names(), sensor::FORMATS.join(","), program::FORMATS.join(",")), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format, help_heading = heading::MODELS)]
+    #[arg(long, help = format!("Number formats to try in place of the full model's: {} [default: {} for a sensor, {} for a program]", Format::names(), OF_SENSOR.join(","), OF_PROGRAM.join(",")), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format, help_heading = heading::MODELS)]
     formats: Option<Vec<Format>>,
     /// Largest shift in time of an event that does not count as changed
     #[arg(long, default_value = "100us", value_name = "TIME", help_heading = heading::MODELS)]
@@ -133,6 +133,12 @@ struct Scened {
 }
 
 impl Arguments {
+    /// The number formats to try: these where none are named.
+    fn formats(&self, usual: &[&str]) -> Vec<Format> {
+        let usual = || usual.iter().filter_map(|name| name.parse().ok()).collect();
+        self.formats.clone().unwrap_or_else(usual)
+    }
+
     fn scene(&self) -> miette::Result<Scened> {
         let observation = Observation::new();
         let start = Instant::now();

@@ -8,18 +8,14 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Schedule},
-    number::Format,
     photoreceptor::Response,
     rig::Larger,
     study::{
         execution::CellOptions,
         pilot::{Chips, ErrorTerm},
-        trade::{Programs, Setup},
+        trade::{OF_PROGRAM, Programs, Setup},
     },
 };
-
-/// Domains that are tried where none are named.
-pub(super) const FORMATS: [&str; 4] = ["exact", "f32", "f16", "q8.8"];
 
 pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     let source = Source::new(
@@ -58,13 +54,7 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
         },
         schedule: Schedule::for_size(size),
     };
-    let formats: Vec<Format> = match &arguments.formats {
-        Some(formats) => formats.clone(),
-        None => FORMATS
-            .iter()
-            .filter_map(|name| name.parse().ok())
-            .collect(),
-    };
+    let formats = arguments.formats(&OF_PROGRAM);
     let alternative = |setup: &Setup| family.alternative(setup);
     let free = |setup: &Setup, _: &_| family.free(setup);
     let full = format!("{domain}, {}", family.schedule);

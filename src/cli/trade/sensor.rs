@@ -7,11 +7,11 @@ use super::{
 use crate::{
     number::Format,
     reference::Reference,
-    study::pilot::{Choice, Effect, Floats},
+    study::{
+        pilot::{Choice, Effect, Floats},
+        trade::OF_SENSOR,
+    },
 };
-
-/// Formats that are tried where none are named.
-pub(super) const FORMATS: [&str; 5] = ["f32", "f16", "bf16", "q16.16", "q8.8"];
 
 pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
     let description = read_sensor(sensor)?;
@@ -24,13 +24,7 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
         seed: arguments.seed,
         base: &full,
     };
-    let formats: Vec<Format> = match &arguments.formats {
-        Some(formats) => formats.clone(),
-        None => FORMATS
-            .iter()
-            .filter_map(|name| name.parse().ok())
-            .collect(),
-    };
+    let formats = arguments.formats(&OF_SENSOR);
     let alternative = |choice: &Choice| family.alternative(choice);
     let free = |choice: &Choice, look: &_| family.free(choice, look);
     let of = sensor.display().to_string();

@@ -1,23 +1,18 @@
 //! Why there is nothing to choose from.
 
 use super::super::{
-    design::DesignError,
-    equivalent::EquivalentError,
+    StudyError,
     rate::{RateError, down, up},
 };
-use crate::{config::Faults, scene::SceneError};
+use crate::config::Faults;
 
 /// Why nothing could be explored.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ExplorationError {
-    /// A sensor cannot be made.
+    /// What any study can end with.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Design(#[from] DesignError),
-    /// The scene cannot be opened.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scene(#[from] SceneError),
+    Study(StudyError),
     /// No threshold gives the rate.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -43,10 +38,6 @@ pub enum ExplorationError {
         /// With thresholds of a 4096th.
         most: f64,
     },
-    /// Scene or sensor cannot go on, or nothing can be compared.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Judge(#[from] EquivalentError),
     /// A program that was found is not what the chip takes.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -86,6 +77,12 @@ pub enum ExplorationError {
         #[related]
         refused: Vec<Untaken>,
     },
+}
+
+impl<E: Into<StudyError>> From<E> for ExplorationError {
+    fn from(cause: E) -> Self {
+        Self::Study(cause.into())
+    }
 }
 
 /// One that the chip does not take.

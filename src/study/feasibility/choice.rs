@@ -79,13 +79,9 @@ impl Question<'_> {
             all.push(Quantiser::TERNARY);
         }
         let table = quantisation::Question {
-            kernel: self.kernel,
-            threshold: self.threshold,
+            design: self.design(),
             quantisers: &all,
             sum: self.sum,
-            device: self.device,
-            effort: self.effort,
-            seed: self.seed,
             within: self.within,
         };
         let (answer, kept) = quantisation::ask_keeping(&table, open, seen)?;

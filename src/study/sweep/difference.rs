@@ -4,14 +4,16 @@ use std::{fmt, path::PathBuf};
 
 use serde_json::Value as Json;
 
-use super::table::{self, Row};
+use super::{
+    column::Part,
+    table::{self, Row},
+};
 
 /// Columns that name what a point's identity holds by content: the same point may be named
 /// otherwise elsewhere.
-pub(super) const NAMES: [&str; 12] = [
-    "scene", "fps", "frames", "range", "transfer", "scale", "slice", "crop", "resize", "upsample",
-    "kernel", "chip",
-];
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    table::columns_of(&[Part::Light]).chain(["kernel", "chip"])
+}
 
 /// The columns in which two results of one point must agree and do not, with both values.
 /// Numbers are compared to the bit.
@@ -34,7 +36,9 @@ pub(super) fn differences<'a>(
 /// Whether a column is the same wherever the point is computed: not a time, not a name, and not
 /// words for people.
 fn is_judged(name: &str) -> bool {
-    !table::timed(name) && !NAMES.contains(&name) && !["reason", "index"].contains(&name)
+    !table::timed(name)
+        && names().all(|other| other != name)
+        && !["reason", "index"].contains(&name)
 }
 
 /// A column of a point of which two folders say different things.

@@ -7,7 +7,13 @@ use miette::Diagnostic;
 
 pub use crate::config::Absent;
 
-use super::thresholds;
+use super::{
+    column::{
+        Fixed,
+        Part::{self, Field, Light, Model, Other, Sensor},
+    },
+    thresholds,
+};
 use crate::{
     array::Arithmetic,
     compile::DriveMemory,
@@ -65,6 +71,8 @@ pub struct Key {
     pub default: Absent,
     /// What it is, with its unit.
     pub what: &'static str,
+    /// Its columns in the results.
+    pub columns: &'static [(Part, Fixed)],
 }
 
 /// A name in its canonical spelling; or what is wrong with it, and what to do.
@@ -169,6 +177,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Name,
         default: Absent::Required,
         what: "`bundled` (the clip that comes with the program), a clip, a `.npy`, a folder of pictures beside the study, or `pattern:NAME?key=value`",
+        columns: &[Light.text("scene", "as it is named in the study")],
     },
     Key {
         name: "fps",
@@ -179,6 +188,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::None,
         what: "frames per second, instead of what the scene says",
+        columns: &[Light.real("fps", "frames per second of the scene, before any are inserted")],
     },
     Key {
         name: "frames",
@@ -189,6 +199,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::None,
         what: "only so many frames of the scene, at least 2; all when left out",
+        columns: &[Light.whole("frames", "frames of the source, where the study says so")],
     },
     Key {
         name: "range",
@@ -196,6 +207,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(&["auto", "limited", "full"]),
         default: Absent::Is("\"auto\""),
         what: "which samples are black and white: 16 and 235, or all; `auto` takes what the file says, as `--range` of `amacrine run`",
+        columns: &[Light.text("range", "which samples are black and white, where the study says so")],
     },
     Key {
         name: "transfer",
@@ -212,6 +224,7 @@ pub const KEYS: &[Key] = &[
         ]),
         default: Absent::Is("\"as-coded\""),
         what: "how the light was coded, to be undone; as `--transfer` of `amacrine run`",
+        columns: &[Light.text("transfer", "the transfer that is undone, where the study says so")],
     },
     Key {
         name: "scale",
@@ -222,6 +235,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::None,
         what: "what the numbers of a `.npy` are multiplied by: 255 where they are 0 to 1",
+        columns: &[Light.real("scale", "what the numbers of an array are multiplied by")],
     },
     Key {
         name: "slice",
@@ -229,6 +243,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(slice, || SLICE.to_owned()),
         default: Absent::None,
         what: "only these frames of the scene, as `--slice` of `amacrine run`: `\"2s..5s\"`, `\"500ms..\"` or, in numbers of frames, `\"..100\"`; `frames` counts from the first of them",
+        columns: &[Light.text("slice", "which frames of the scene, where the study says so")],
     },
     Key {
         name: "crop",
@@ -236,6 +251,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(crop, || CROP.to_owned()),
         default: Absent::None,
         what: "only this part of each picture, as `--crop`: `\"256x256\"` in its middle, or `\"256x256+10+20\"` from its left and its top",
+        columns: &[Light.text("crop", "which part of each picture, where the study says so")],
     },
     Key {
         name: "resize",
@@ -243,6 +259,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(resize, || SIZE.to_owned()),
         default: Absent::None,
         what: "so many larger pixels, as `--resize`: `\"64x48\"`, each with the mean of the light that falls on it; what is cut off is cut off before",
+        columns: &[Light.text("resize", "to what size it is averaged, where the study says so")],
     },
     Key {
         name: "upsample",
@@ -253,6 +270,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::Is("0"),
         what: "insert frames so that no pixel's light, of 255, plus 1 changes by more than this from one to the next, in ln units; 0 inserts none",
+        columns: &[Light.real("upsample", "largest change of light (of 255) plus 1 between frames, in ln units; empty: no frames inserted")],
     },
     Key {
         name: "kernel",
@@ -260,6 +278,10 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Name,
         default: Absent::Required,
         what: "a built-in kernel, or a kernel file (`.toml`, `.npy`) beside the study; a `.npy` of shape (K,k,k) or (K,1,k,k) is one sensor of K kinds of cells",
+        columns: &[
+            Field.text("kernel", "as it is named in the study"),
+            Other.whole("kinds", "kinds of cells: kernels of the file"),
+        ],
     },
     Key {
         name: "lambda",
@@ -270,6 +292,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::Required,
         what: "space constant of the resistor mesh, in pixels",
+        columns: &[Field.real("lambda", "space constant of the mesh, pixels")],
     },
     Key {
         name: "lambda-y",
@@ -280,6 +303,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::None,
         what: "space constant down the columns, in pixels; as `lambda` when left out",
+        columns: &[Field.real("lambda_y", "space constant down the columns, pixels, where it is another")],
     },
     Key {
         name: "tau-us",
@@ -290,6 +314,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::Is("0"),
         what: "time constant of the mesh, in microseconds; 0 settles at once",
+        columns: &[Field.real("tau_us", "time constant of the mesh, microseconds")],
     },
     Key {
         name: "threshold",
@@ -297,6 +322,12 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Threshold,
         default: Absent::Required,
         what: "an event where kernel times light (0 to 255) moved by more than this; a number, or `{ on = 8, off = 8, sigma = 0 }` with the deviation of its mismatch, each of which may be a list of one for each kind. Under a logarithmic response in ln units",
+        columns: &[
+            Field.real("threshold_on", "light units (0 to 255) times kernel; ln units under a logarithmic response; empty where kinds differ"),
+            Field.real("threshold_off", "the same, a positive magnitude"),
+            Other.real("threshold_sigma", "deviation of the threshold's mismatch, same unit"),
+            Field.text("thresholds", "the thresholds of each kind, as in the study, where kinds differ"),
+        ],
     },
     Key {
         name: "response",
@@ -304,6 +335,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Response,
         default: Absent::Is("\"identity\""),
         what: "the photoreceptor, as in a sensor file. Thresholds stay in light units under `{ linear = … }`",
+        columns: &[Model.text("response", "photoreceptor, as in a sensor file")],
     },
     Key {
         name: "border",
@@ -311,6 +343,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(Border::WORDS),
         default: Absent::Is("\"zero\""),
         what: "what the kernel reads off the array; the array itself reads zero",
+        columns: &[Model.text("border", "what the kernel reads off the array")],
     },
     Key {
         name: "memory",
@@ -318,6 +351,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(&FLOAT_MEMORIES),
         default: Absent::Is("\"filtered-snap\""),
         what: "what an event does to the memory, as in a sensor file",
+        columns: &[Model.text("rule", "what an event does to the memory: the `memory` of a sensor file")],
     },
     Key {
         name: "shared",
@@ -325,6 +359,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Flag,
         default: Absent::Is("false"),
         what: "one memory of the pixel for all kinds, with `memory = \"raw-snap\"`, as in a sensor file",
+        columns: &[Model.text("shared", "true: one memory of the pixel for all kinds of a float sensor")],
     },
     Key {
         name: "polarity",
@@ -332,6 +367,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(PolarityRule::WORDS),
         default: Absent::Is("\"filtered\""),
         what: "where the sign of an event comes from, as in a sensor file",
+        columns: &[Model.text("polarity", "where the sign of an event comes from")],
     },
     Key {
         name: "refractory",
@@ -339,6 +375,10 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Refractory,
         default: Absent::Is("{ us = 0 }"),
         what: "dead time after an event, `{ us = 1000, rule = \"dead-time\" }` or `rule = \"authors\"`, in microseconds",
+        columns: &[
+            Sensor.real("refractory_us", "dead time, microseconds"),
+            Sensor.text("refractory_rule", "dead-time or authors"),
+        ],
     },
     Key {
         name: "noise",
@@ -346,6 +386,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Noise,
         default: Absent::Is("\"none\""),
         what: "`\"none\"`, `\"noisy\"` (the `[noise]` of `sensors/dvs-noisy.toml`), or a table with the keys of a sensor file's `[noise]`",
+        columns: &[Sensor.text("noise", "none, or the keys of a sensor file's `[noise]`")],
     },
     Key {
         name: "format",
@@ -353,6 +394,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(spelled::<Format>, || FORMAT_PATTERN.to_owned()),
         default: Absent::Is("\"f64\""),
         what: "number format of signals, weights and memory: f64, f32, f16, bf16, qM.N or qM.N-wrap (M + N = 8, 16 or 32)",
+        columns: &[Sensor.text("format", "number format of a float sensor")],
     },
     Key {
         name: "solver",
@@ -360,6 +402,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(SheetRule::WORDS),
         default: Absent::Is("\"ramp\""),
         what: "how the mesh is moved on: the `rule` of a sensor file's `mesh`",
+        columns: &[Sensor.text("solver", "how the mesh is moved on")],
     },
     Key {
         name: "chip",
@@ -367,6 +410,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Name,
         default: Absent::Is("\"scamp5\""),
         what: "a shipped chip, or the folder of another beside the study",
+        columns: &[Sensor.text("chip", "as it is named in the study")],
     },
     Key {
         name: "quantise",
@@ -374,6 +418,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(quantiser, quantisers),
         default: Absent::Is("\"none\""),
         what: "the kernel in few values, as in `amacrine quantise --to`; `none`, or `exact` as `compile` calls it, takes its weights as they are",
+        columns: &[Sensor.text("quantise", "quantiser of the kernel")],
     },
     Key {
         name: "sum",
@@ -381,6 +426,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(&["free", "zero", "kept"]),
         default: Absent::Is("\"kept\""),
         what: "what a quantised kernel must sum to",
+        columns: &[Sensor.text("sum", "what the quantised kernel must sum to")],
     },
     Key {
         name: "memory",
@@ -388,6 +434,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(remembered, || "^(analogue|shared|bits:0*[1-8])$".to_owned()),
         default: Absent::Is("\"analogue\""),
         what: "what is kept of the last events: `analogue` and `bits:N`, the drive of each kind in an analogue register or in N one-bit registers; `shared`, the pixel at the last event of any kind",
+        columns: &[Sensor.text("kept_in", "what the array keeps of the last events, and where")],
     },
     Key {
         name: "readout",
@@ -395,6 +442,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(&["chip", "all"]),
         default: Absent::Is("\"chip\""),
         what: "`chip`: 4000 events of either sign a frame at most, more are dropped and counted; `all`: every event",
+        columns: &[Sensor.text("readout", "chip: 4000 events of either sign a frame at most; all: every event")],
     },
     Key {
         name: "domain",
@@ -402,6 +450,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Spelled(spelled::<Arithmetic>, arithmetic),
         default: Absent::Is("\"exact\""),
         what: "arithmetic of the array: exact, f32, f16, bf16, qM.N or qM.N-wrap (M + N = 8, 16 or 32), silicon",
+        columns: &[Sensor.text("domain", "arithmetic of the array")],
     },
     Key {
         name: "schedule",
@@ -409,6 +458,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(&["plain", "tiled"]),
         default: Absent::Is("\"tiled\""),
         what: "in which order the array is worked on, which changes only the speed",
+        columns: &[Sensor.text("schedule", "order of the array's work")],
     },
     Key {
         name: "seed",
@@ -419,6 +469,7 @@ pub const KEYS: &[Key] = &[
         },
         default: Absent::Is("0"),
         what: "chooses mismatch, noise and stochastic rounding; points without chance have none",
+        columns: &[Other.whole("seed", "of mismatch, noise and stochastic rounding; empty where there is no chance")],
     },
 ];
 
@@ -497,7 +548,7 @@ fn quantisers() -> String {
 }
 
 /// Memories of a float sensor in a study.
-const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
+pub(super) const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
 
 fn remembered(name: &str) -> Result<String, (String, String)> {
     match name.parse::<DriveMemory>() {

@@ -13,6 +13,7 @@
 pub mod ask;
 mod build;
 mod cached_scene;
+mod column;
 mod contenders;
 mod cut;
 pub mod damage;

@@ -18,7 +18,7 @@ use sha2::{Digest, Sha256};
 
 use super::{
     cached_scene::{CachedScene, Wanted, hex},
-    difference::NAMES,
+    difference,
     grid::Axes,
     key::Side,
     manifest::Manifest,
@@ -252,7 +252,7 @@ impl<'a> Opened<'a> {
         let settings = &self.study.settings;
         let mut description: BTreeMap<String, Json> = point.columns().into_iter().collect();
         // Names are replaced by what they stand for.
-        for name in NAMES {
+        for name in difference::names() {
             description.remove(name);
         }
         description.insert("light".to_owned(), json!(scene.digest));

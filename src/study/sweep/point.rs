@@ -129,37 +129,25 @@ impl Point {
         let mut row = Map::new();
         row.insert("side".to_owned(), json!(self.side.name()));
         for key in Key::on_side(self.side) {
-            let name = key.name.replace('-', "_");
-            match self.get(key.name) {
-                None => {}
-                Some(Value::Number(number)) => {
-                    row.insert(name, json!(number));
+            let Some(value) = self.get(key.name) else {
+                continue;
+            };
+            let values = match value {
+                Value::Number(number) => vec![json!(number)],
+                Value::Whole(number) => vec![json!(number)],
+                Value::Word(word) if matches!(key.kind, Kind::Response) => {
+                    vec![json!(word.trim_matches('"'))]
                 }
-                Some(Value::Whole(number)) => {
-                    row.insert(name, json!(number));
+                Value::Word(word) => vec![json!(word)],
+                Value::Flag(flag) => vec![json!(flag.to_string())],
+                Value::Threshold(thresholds) => {
+                    thresholds.columns(&mut row);
+                    continue;
                 }
-                Some(Value::Word(word)) => {
-                    let name = match (key.name, self.side) {
-                        ("memory", Side::Array) => "kept_in".to_owned(),
-                        ("memory", _) => "rule".to_owned(),
-                        _ => name,
-                    };
-                    let shown = if matches!(key.kind, Kind::Response) {
-                        word.trim_matches('"')
-                    } else {
-                        word
-                    };
-                    row.insert(name, json!(shown));
-                }
-                Some(Value::Flag(flag)) => {
-                    row.insert(name, json!(flag.to_string()));
-                }
-                Some(Value::Threshold(thresholds)) => thresholds.columns(&mut row),
-                Some(Value::Refractory { us, rule }) => {
-                    row.insert("refractory_us".to_owned(), json!(us));
-                    row.insert("refractory_rule".to_owned(), json!(rule));
-                }
-            }
+                Value::Refractory { us, rule } => vec![json!(us), json!(rule)],
+            };
+            let names = key.columns.iter().map(|(_, (name, ..))| (*name).to_owned());
+            row.extend(names.zip(values));
         }
         row
     }

@@ -5,16 +5,20 @@
 //! tasks are compared: each set of tasks has a front of its own. Pooled, a sensor also has its
 //! kernel and its thresholds, and all are compared.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::LazyLock,
+};
 
 use serde::Serialize;
 
 use super::{
+    column::Part,
     left_out::LeftOut,
     manifest::Manifest,
     record::is_failed,
     table::{self, Row},
-    task_name::{self, Columns, FIELD},
+    task_name::{self, Columns},
     thresholds::Thresholds,
 };
 use crate::{
@@ -24,28 +28,15 @@ use crate::{
     unit::Micros,
 };
 
-/// The columns that make a sensor.
-const SENSOR: [&str; 19] = [
-    "side",
-    "response",
-    "border",
-    "rule",
-    "shared",
-    "polarity",
-    "refractory_us",
-    "refractory_rule",
-    "noise",
-    "threshold_sigma",
-    "format",
-    "solver",
-    "chip",
-    "quantise",
-    "sum",
-    "kept_in",
-    "readout",
-    "domain",
-    "schedule",
-];
+/// The columns that make a sensor. The mismatch of its thresholds is told behind its noise.
+static SENSOR: LazyLock<Vec<&str>> = LazyLock::new(|| {
+    let own = table::columns_of(&[Part::Model, Part::Sensor]);
+    own.flat_map(|column| match column {
+        "noise" => vec![column, "threshold_sigma"],
+        _ => vec![column],
+    })
+    .collect()
+});
 
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -214,14 +205,15 @@ impl Report {
     #[must_use]
     pub fn new(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {
         let varying = varying(rows);
+        let field = || task_name::field_columns().filter(|_| pool);
         let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
         for row in rows {
-            let own = SENSOR.iter().chain(if pool { &FIELD[..] } else { &[] });
+            let own = SENSOR.iter().copied().chain(field());
             let key = own.map(|column| value(row, column)).collect();
             sensors.entry(key).or_default().push(row);
         }
-        let differing: Vec<&str> = { FIELD.into_iter() }
-            .filter(|column| pool && task_name::varies(rows, column))
+        let differing: Vec<&str> = field()
+            .filter(|column| task_name::varies(rows, column))
             .collect();
         let mut groups: BTreeMap<BTreeSet<String>, Compared<'_>> = BTreeMap::new();
         let (mut refused, mut failed, mut without) = (Vec::new(), Vec::new(), Vec::new());
@@ -310,7 +302,7 @@ fn varying(rows: &[Row]) -> BTreeMap<String, Vec<bool>> {
     for row in rows {
         let own = seen.entry(table::cell(row, "side")).or_default();
         own.resize(SENSOR.len(), BTreeSet::new());
-        for (values, column) in own.iter_mut().zip(SENSOR) {
+        for (values, column) in own.iter_mut().zip(&*SENSOR) {
             values.insert(value(row, column));
         }
     }

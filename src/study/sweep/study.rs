@@ -2,7 +2,7 @@
 
 use super::{
     grid::{self, Axes},
-    key::{KEYS, Key, Side},
+    key::{FLOAT_MEMORIES, KEYS, Key, Side},
     overrides::{Override, overridden},
     point::Point,
     read::SEE,
@@ -109,7 +109,10 @@ impl Settings {
 const USUAL: [&str; 5] = ["f1", "precision", "recall", "count-l1", "van-rossum"];
 
 /// What the events are measured against.
-pub const AGAINST: [&str; 4] = ["same", "filtered-snap", "filtered-step", "raw-snap"];
+pub const AGAINST: [&str; 4] = {
+    let [one, other, third] = FLOAT_MEMORIES;
+    ["same", one, other, third]
+};
 
 const NAMES: [&str; METRICS.len()] = {
     let mut names = [""; METRICS.len()];

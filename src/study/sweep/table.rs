@@ -4,22 +4,16 @@ use std::fmt::Write as _;
 
 use serde_json::{Map, Value as Json};
 
-use super::study::Settings;
+pub use super::column::Holds;
+use super::{
+    column::{Fixed, Part, real, text, whole},
+    key::KEYS,
+    study::Settings,
+};
 use crate::compare::metric::{Entry, Metric};
 
 /// A row: a value for each column that has one.
 pub type Row = Map<String, Json>;
-
-/// What stands in a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Holds {
-    /// Text.
-    Text,
-    /// Whole numbers.
-    Whole,
-    /// Numbers.
-    Real,
-}
 
 /// One column.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,123 +26,22 @@ pub struct Column {
     pub what: String,
 }
 
-const fn text(name: &'static str, what: &'static str) -> (&'static str, Holds, &'static str) {
-    (name, Holds::Text, what)
-}
-
-const fn whole(name: &'static str, what: &'static str) -> (&'static str, Holds, &'static str) {
-    (name, Holds::Whole, what)
-}
-
-const fn real(name: &'static str, what: &'static str) -> (&'static str, Holds, &'static str) {
-    (name, Holds::Real, what)
-}
-
-/// What the point is.
-const POINT: [(&str, Holds, &str); 42] = [
-    whole("index", "number of the point in the fixed order, from 0"),
-    text(
-        "id",
-        "identity: a hash of the point's description and of all that it names",
-    ),
-    text(
-        "task",
-        "identity of the f64 sensor that it is measured against, on its scene: points of one task answer one question",
-    ),
-    text("side", "reference, array or mesh"),
-    text("scene", "as it is named in the study"),
-    real(
-        "fps",
-        "frames per second of the scene, before any are inserted",
-    ),
-    whole("frames", "frames of the source, where the study says so"),
-    text(
-        "range",
-        "which samples are black and white, where the study says so",
-    ),
-    text(
-        "transfer",
-        "the transfer that is undone, where the study says so",
-    ),
-    real("scale", "what the numbers of an array are multiplied by"),
-    text(
-        "slice",
-        "which frames of the scene, where the study says so",
-    ),
-    text(
-        "crop",
-        "which part of each picture, where the study says so",
-    ),
-    text(
-        "resize",
-        "to what size it is averaged, where the study says so",
-    ),
-    real(
-        "upsample",
-        "largest change of light (of 255) plus 1 between frames, in ln units; empty: no frames inserted",
-    ),
-    text("kernel", "as it is named in the study"),
-    whole("kinds", "kinds of cells: kernels of the file"),
-    real("lambda", "space constant of the mesh, pixels"),
-    real(
-        "lambda_y",
-        "space constant down the columns, pixels, where it is another",
-    ),
-    real("tau_us", "time constant of the mesh, microseconds"),
-    real(
-        "threshold_on",
-        "light units (0 to 255) times kernel; ln units under a logarithmic response; empty where kinds differ",
-    ),
-    real("threshold_off", "the same, a positive magnitude"),
-    real(
-        "threshold_sigma",
-        "deviation of the threshold's mismatch, same unit",
-    ),
-    text(
-        "thresholds",
-        "the thresholds of each kind, as in the study, where kinds differ",
-    ),
-    text("response", "photoreceptor, as in a sensor file"),
-    text("border", "what the kernel reads off the array"),
-    text(
-        "rule",
-        "what an event does to the memory: the `memory` of a sensor file",
-    ),
-    text(
-        "shared",
-        "true: one memory of the pixel for all kinds of a float sensor",
-    ),
-    text("polarity", "where the sign of an event comes from"),
-    real("refractory_us", "dead time, microseconds"),
-    text("refractory_rule", "dead-time or authors"),
-    text("noise", "none, or the keys of a sensor file's `[noise]`"),
-    text("format", "number format of a float sensor"),
-    text("solver", "how the mesh is moved on"),
-    text("chip", "as it is named in the study"),
-    text("quantise", "quantiser of the kernel"),
-    text("sum", "what the quantised kernel must sum to"),
-    text(
-        "kept_in",
-        "what the array keeps of the last events, and where",
-    ),
-    text(
-        "readout",
-        "chip: 4000 events of either sign a frame at most; all: every event",
-    ),
-    text("domain", "arithmetic of the array"),
-    text("schedule", "order of the array's work"),
-    whole(
-        "seed",
-        "of mismatch, noise and stochastic rounding; empty where there is no chance",
-    ),
-    text(
-        "against",
-        "memory of the f64 sensor that it is measured against",
-    ),
+/// What the point is, before its keys.
+const BEFORE: [(Part, Fixed); 4] = [
+    Part::Other.whole("index", "number of the point in the fixed order, from 0"),
+    Part::Other.text("id", "identity: a hash of the point's description and of all that it names"),
+    Part::Other.text("task", "identity of the f64 sensor that it is measured against, on its scene: points of one task answer one question"),
+    Part::Sensor.text("side", "reference, array or mesh"),
 ];
 
+/// And behind them.
+const AGAINST: (Part, Fixed) = Part::Task.text(
+    "against",
+    "memory of the f64 sensor that it is measured against",
+);
+
 /// What came of it, before the metrics.
-const FIGURES: [(&str, Holds, &str); 24] = [
+const FIGURES: [Fixed; 24] = [
     text(
         "outcome",
         "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
@@ -215,7 +108,7 @@ const FIGURES: [(&str, Holds, &str); 24] = [
 ];
 
 /// What stands for the point, where a plainer model may.
-const FIDELITY: [(&str, Holds, &str); 2] = [
+const FIDELITY: [Fixed; 2] = [
     text(
         "left_out",
         "what a plainer model does without that stands for the point; empty where it was computed as it is",
@@ -227,7 +120,7 @@ const FIDELITY: [(&str, Holds, &str); 2] = [
 ];
 
 /// What differs between machines, or is named like it.
-const MACHINE: [(&str, Holds, &str); 4] = [
+const MACHINE: [Fixed; 4] = [
     real(
         "seconds_per_frame",
         "seconds that one thread of this machine had a processor for a frame, the mean over the scene: other work on the machine lengthens it little",
@@ -240,10 +133,22 @@ const MACHINE: [(&str, Holds, &str); 4] = [
     ),
 ];
 
+/// The columns that say what the point is.
+fn point() -> impl Iterator<Item = &'static (Part, Fixed)> {
+    let keys = KEYS.iter().flat_map(|key| key.columns);
+    BEFORE.iter().chain(keys).chain([&AGAINST])
+}
+
+/// Those of them that say this of it.
+pub(super) fn columns_of(parts: &'static [Part]) -> impl Iterator<Item = &'static str> {
+    let own = point().filter(|(part, _)| parts.contains(part));
+    own.map(|(_, (name, ..))| *name)
+}
+
 /// All columns of a study, in their order.
 #[must_use]
 pub fn columns(settings: &Settings) -> Vec<Column> {
-    let column = |(name, holds, what): &(&str, Holds, &str)| Column {
+    let column = |(name, holds, what): &Fixed| Column {
         name: (*name).to_owned(),
         holds: *holds,
         what: (*what).to_owned(),
@@ -258,7 +163,8 @@ pub fn columns(settings: &Settings) -> Vec<Column> {
     } else {
         &[]
     };
-    let before = POINT.iter().chain(&FIGURES).chain(fidelity).map(column);
+    let point = point().map(|(_, column)| column);
+    let before = point.chain(&FIGURES).chain(fidelity).map(column);
     before
         .chain(metrics)
         .chain(MACHINE.iter().map(column))
@@ -309,7 +215,8 @@ pub(super) fn cell(row: &Row, column: &str) -> String {
 /// What stands in a column of this name; metrics are numbers.
 #[must_use]
 pub fn holds(name: &str) -> Holds {
-    let fixed = POINT.iter().chain(&FIGURES).chain(&FIDELITY);
+    let point = point().map(|(_, column)| column);
+    let fixed = point.chain(&FIGURES).chain(&FIDELITY);
     let fixed = fixed.chain(&MACHINE);
     let mut fixed = fixed.filter(|(known, ..)| *known == name);
     fixed.next().map_or(Holds::Real, |(_, holds, _)| *holds)

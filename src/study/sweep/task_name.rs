@@ -4,36 +4,32 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value as Json;
 
-use super::table::{self, Row};
+use super::{
+    column::Part,
+    table::{self, Row},
+};
 use crate::order::Order;
 
 /// What a user chooses of a task as of a sensor: its receptive field and its thresholds.
-pub(super) const FIELD: [&str; 7] = [
-    "kernel",
-    "lambda",
-    "lambda_y",
-    "tau_us",
-    "threshold_on",
-    "threshold_off",
-    "thresholds",
-];
+pub(super) fn field_columns() -> impl Iterator<Item = &'static str> {
+    table::columns_of(&[Part::Field])
+}
 
-/// What it is shown, and what else its f64 sensor has of it.
-const SHOWN: [&str; 16] = [
-    "scene", "fps", "frames", "range", "transfer", "scale", "slice", "crop", "resize", "upsample",
-    "response", "border", "rule", "shared", "polarity", "against",
-];
+/// Those, then what it is shown, and what else its f64 sensor has of it.
+fn task_columns() -> impl Iterator<Item = &'static str> {
+    field_columns().chain(table::columns_of(&[Part::Light, Part::Model, Part::Task]))
+}
 
 /// The values of the columns that make a task, those without one left out.
 pub type Columns = BTreeMap<String, Vec<Json>>;
 
 /// The columns of the tasks of these points, each value once.
 pub(super) fn columns(rows: &[&Row]) -> Columns {
-    let each = FIELD.iter().chain(&SHOWN).map(|column| {
+    let each = task_columns().map(|column| {
         let mut values: Vec<Json> = Vec::new();
         let mut seen = BTreeSet::new();
         for row in rows {
-            if let Some(value) = row.get(*column).filter(|value| !value.is_null())
+            if let Some(value) = row.get(column).filter(|value| !value.is_null())
                 && seen.insert(value.to_string())
             {
                 values.push(value.clone());
@@ -41,7 +37,7 @@ pub(super) fn columns(rows: &[&Row]) -> Columns {
         }
         let number = |value: &Json| value.as_f64().unwrap_or(0.0);
         values.order_by(|a, b| number(a).total_cmp(&number(b)));
-        ((*column).to_owned(), values)
+        (column.to_owned(), values)
     });
     each.filter(|(_, values)| !values.is_empty()).collect()
 }
@@ -62,7 +58,7 @@ pub(super) fn name(own: &Columns, all: &[&Columns]) -> String {
         _ => one(column),
     };
     let mut words = Vec::new();
-    for column in FIELD.into_iter().chain(SHOWN) {
+    for column in task_columns() {
         let Some(values) = own.get(column).filter(|_| differs(column)) else {
             continue;
         };
@@ -90,11 +86,12 @@ fn label(column: &str) -> &str {
     }
 }
 
-/// What a sensor's own task is called beside others: the values of a row in [`FIELD`] that differ.
+/// What a sensor's own task is called beside others: the values of a row in the columns of
+/// its field that differ.
 pub(super) fn field(row: &Row, differs: impl Fn(&str) -> bool) -> String {
     let mut words = Vec::new();
     let own = |column: &str| row.get(column).filter(|value| !value.is_null());
-    for column in FIELD.into_iter().filter(|column| differs(column)) {
+    for column in field_columns().filter(|column| differs(column)) {
         let Some(value) = own(column) else { continue };
         let said = shown(value);
         match column {

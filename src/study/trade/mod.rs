@@ -32,6 +32,12 @@ use super::{
 pub use programs::{Programs, Setup};
 pub use together::together;
 
+/// Number formats that are tried of a sensor where none are named.
+pub const OF_SENSOR: [&str; 5] = ["f32", "f16", "bf16", "q16.16", "q8.8"];
+
+/// The same of a program.
+pub const OF_PROGRAM: [&str; 4] = ["exact", "f32", "f16", "q8.8"];
+
 /// A model, and where it stands.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(bound = "")]

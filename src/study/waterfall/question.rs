@@ -5,15 +5,14 @@ use std::{borrow::Cow, sync::Arc};
 use super::program::Kinds;
 use crate::{
     array::Arithmetic,
-    compare::CompareError,
     compile::DriveMemory,
     event::{Packet, readout::Readout},
     kernel::quantise::{Quantised, Quantiser, Sum},
     reference::MemoryRule,
-    rig::RigError,
-    scene::SceneError,
-    sensor::SensorError,
-    study::design::{Compiled, Design, DesignError},
+    study::{
+        StudyError,
+        design::{Compiled, Design},
+    },
     unit::{Micros, counted},
 };
 
@@ -156,26 +155,10 @@ impl<'a> Fall<'a> {
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum WaterfallError {
-    /// A sensor cannot be made.
+    /// What any study can end with.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Design(#[from] DesignError),
-    /// Scene or sensor cannot go on.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Rig(#[from] RigError),
-    /// A float sensor cannot be made or go on.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Sensor(#[from] SensorError),
-    /// The packets have nothing in common.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Compare(#[from] CompareError),
-    /// The scene cannot be opened again.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scene(#[from] SceneError),
+    Study(StudyError),
     /// No memory holds all kinds in one program.
     #[error("no program holds all kinds: {}", .0.join("; "))]
     #[diagnostic(help(
@@ -225,4 +208,10 @@ pub enum WaterfallError {
     #[error("a packet is missing")]
     #[diagnostic(help("this is a fault of amacrine: please report the command"))]
     Packet,
+}
+
+impl<E: Into<StudyError>> From<E> for WaterfallError {
+    fn from(cause: E) -> Self {
+        Self::Study(cause.into())
+    }
 }
