@@ -145,7 +145,10 @@ fn what_is_wrong_is_told_in_a_sentence() {
         ("task.toml -o task.toml --resume --threads 1", "task.toml"),
         ("task.toml -o task.toml", "a file is in the way"),
         ("film.toml -o r", "a larger video"),
-        ("bundled.toml -o r", "256x256, smaller than a crop of 300x300"),
+        (
+            "bundled.toml -o r",
+            "256x256, smaller than a crop of 300x300",
+        ),
         (
             "far.toml -o r",
             "far.toml:7:7: a picture that moves by 1000000000 px",

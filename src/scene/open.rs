@@ -3,8 +3,9 @@
 use std::{io::Read, path::Path};
 
 use super::{
-    animation, bundled::bundled_with, decoded::Source, error::SceneError, folder, frame::Scene, light, mp4, npy,
-    options::OpenOptions, pattern::Pattern, rate::check_rate, shown::shown, still, y4m,
+    animation, bundled::bundled_with, decoded::Source, error::SceneError, folder, frame::Scene,
+    light, mp4, npy, options::OpenOptions, pattern::Pattern, rate::check_rate, shown::shown, still,
+    y4m,
 };
 
 /// What opens a scene, as often as a study shows it.

@@ -65,7 +65,8 @@ impl Parser<'_> {
                 let (first, on) = self.headed()?;
                 let body = self.block()?;
                 if let Some(place) = body.iter().find_map(inner_case) {
-                    let message = "a case inside another statement of its `switch` is not supported";
+                    let message =
+                        "a case inside another statement of its `switch` is not supported";
                     let fault = Fault::error(place, message, "this case");
                     self.faults
                         .push(fault.help("put it between the other cases"));
