@@ -302,7 +302,7 @@ fn program(text: &str) {
     }
     let chip = Chip::new(
         "fuzz",
-        Exact::default(),
+        Exact,
         code,
         device,
         Size::new(5, 6),
