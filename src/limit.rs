@@ -186,7 +186,7 @@ table! {
     VENDOR_VALUES, "values in one variable of vendor C++", "values",
         "sixteen for each cell of a chip", "values in one variable";
     CHAIN, "operators and calls in one value of vendor C++, `else if`s of one `if`", "operators",
-        "nobody reads more", "one behind the other";
+        "nobody reads more", "in a row";
     KERNEL_SIDE, "rows or columns of a kernel", "px",
         "Gaussians of the largest sigma, 20 px, have 121", "a side of a kernel is at most";
     KERNELS, "kernels of one file or command, kinds of cells of a sensor", "kernels",
@@ -200,7 +200,7 @@ table! {
     QUANTISER_TABLE, "the table for levels with a sum, or for digits", "entries",
         "128 MiB", "entries of a table";
     EXPANDED_STEPS, "what the text of a program becomes: words, host operations, calls of macros", "steps",
-        "64 times the words that the largest shipped chip stores", "the program becomes more than";
+        "64 times the words that the largest shipped chip stores", "the program expands to more than";
     STATEMENT_WORDS, "what one statement becomes", "words",
         "no kernel store holds it", "this statement is longer than";
     FRAME_STEPS, "what `init`, or one frame, runs: words, host operations, turns of `repeat`", "steps",

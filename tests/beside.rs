@@ -357,7 +357,7 @@ fn posts_places_and_ends() {
     );
     let said = said["source_warnings"].to_string();
     assert!(
-        said.contains("what is posted, the text in `line` decides: it is left out"),
+        said.contains("what is posted depends on the text in `line`: it is left out"),
         "{said}"
     );
     // Halves are rounded to even, as the C library does.
@@ -530,7 +530,7 @@ fn what_is_not_known_is_told_and_asking_ends() {
     let said =
         program("std::set<int> m; m.insert(2); if (m.size() == 1) { scamp5_output_image(A); }");
     let warnings = said.unwrap().unwrap().faults;
-    let is_told = { warnings.iter() }.any(|it| it.fault.message.contains("decides: it is shown"));
+    let is_told = { warnings.iter() }.any(|it| it.fault.message.contains(": it is shown"));
     assert!(is_told, "{warnings:?}");
     let said = program("while (scamp5_global_or(R5) == 0) NOT(R5);").unwrap_err();
     assert!(said.contains("statements run in one frame"), "{said}");
@@ -593,7 +593,7 @@ int main() {
     refused(
         folder.path(),
         &["asm", "p.cpp"],
-        &["p.cpp:13:", "a random number decides"],
+        &["p.cpp:13:", "depends on a random number"],
     );
 }
 
@@ -1100,12 +1100,12 @@ fn what_goes_wrong_beside_the_array_has_its_line() {
         "if (startCamera(0) > 3) mov(C, A);",
         &[
             "p.cpp:4:5",
-            "`startCamera` is a function that no file here defines",
+            "the function `startCamera` is not defined in any file here",
         ],
     );
     wrong(
         "if (time(0) > 3) mov(C, A);",
-        &["p.cpp:4:5", "whether this kernel runs, `time` decides"],
+        &["p.cpp:4:5", "whether this kernel runs depends on `time`"],
     );
     wrong(
         "int a[3]; a[s] = 1; scamp5_in(C, a[s + 9]);",

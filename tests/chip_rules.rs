@@ -64,7 +64,7 @@ fn rows_of_larger_arrays_have_more_than_eight_bits() {
         ] {
             assert!(told.contains(&line), "no {line} in {told}");
         }
-        let of_300 = told.contains("C++ makes 44 of 300");
+        let of_300 = told.contains("C++ passes 44 instead of 300");
         assert_eq!(of_300, chip == "scamp5", "{told}");
     }
 }
@@ -270,13 +270,13 @@ fn no_program_is_called_optimal_where_the_bus_takes_more() {
         let asked = [&filter[..], &["--chip", chip]].concat();
         let told = good(folder, &asked);
         assert!(
-            told.contains("whether fewer make this kernel was not asked (--objective words)"),
+            told.contains("whether fewer compute this kernel was not asked (--objective words)"),
             "{told}"
         );
         let asked = [&asked[..], &["--objective", "words"]].concat();
         let told = good(folder, &asked);
         assert!(
-            told.contains("whether fewer make this kernel is not known"),
+            told.contains("whether fewer compute this kernel is not known"),
             "{told}"
         );
         assert_eq!(json(folder, &asked)["bounds"]["is_optimal"], false);

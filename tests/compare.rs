@@ -821,7 +821,7 @@ mod scales {
 
     #[test]
     fn a_redraw_of_frames_stays_on_the_frames() {
-        // All events are on one of ten frames, where they often meet by accident.
+        // All events are on one of ten frames, where they often meet by chance.
         let mut a = stream(42, 20_000);
         for (i, e) in a.events.iter_mut().enumerate() {
             e.t = Micros(hash(43, i as u64) % 10 * 40_000);
@@ -990,7 +990,7 @@ mod verb {
         let out = amacrine(&[&a, &b, "-o", &drawn]).assert().success();
         let table = String::from_utf8_lossy(&out.get_output().stdout).into_owned();
         assert!(
-            table.starts_with("kept 1.0000 within 100ms: F1 1.0000, by accident "),
+            table.starts_with("kept 1.0000 within 100ms: F1 1.0000, by chance "),
             "{table}"
         );
         assert!(
@@ -1060,7 +1060,7 @@ mod verb {
     }
 
     /// Three frames with events at uneven times are frames of the rate that is stated, and of one
-    /// step of all pixels nothing is kept that accident does not keep.
+    /// step of all pixels nothing is kept that chance does not keep.
     #[test]
     fn few_frames_are_frames_and_one_step_keeps_nothing() {
         let folder = tempfile::tempdir().unwrap();

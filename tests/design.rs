@@ -697,7 +697,7 @@ fn what_few_events_decide_is_warned_of() {
     );
 }
 
-/// Within a window that covers the clip accident scores as much as any program.
+/// Within a window that covers the clip chance scores as much as any program.
 #[test]
 fn a_window_that_covers_the_clip_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();

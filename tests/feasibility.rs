@@ -845,7 +845,7 @@ fn a_window_beyond_the_scene_cannot_judge() {
     assert!(numbers["chips_feasible"].is_null());
     let verdict = numbers["verdict"].to_string();
     assert!(verdict.contains("--within"), "{verdict}");
-    // A chip that accident makes perfect is no chip that keeps all, and nothing decides.
+    // A chip that chance makes perfect is no chip that keeps all, and nothing decides.
     assert_eq!(number(&numbers, "/stretch/floor"), 1.0);
     assert!(numbers["ranges"]["kept"].is_null());
     assert!(numbers["ranges"]["event_ratio"].is_object());
@@ -863,8 +863,8 @@ fn a_window_beyond_the_scene_cannot_judge() {
     says_the_numbers(&page, &numbers);
     assert!(all(&page, ".tornado").is_empty());
     for words in [
-        "accident scores nearly as much as anything in what they watched",
-        "None: accident scores as much as anything there",
+        "chance alone scores nearly 1 in what they were shown",
+        "None: chance alone scores 1 there",
         "since this scene cannot tell what they keep",
         "This scene cannot tell what they keep",
     ] {
@@ -1347,7 +1347,7 @@ fn what_is_judged_is_read_as_it_is_told() {
     assert_eq!(number(read, "/forward/lost"), 0.0, "{read}");
     let said = one["verdict"]["findings"].to_string();
     assert!(said.contains(&format!(
-        "All slots of the program would lose {dropped:.0} of them"
+        "With all slots of the program {dropped:.0} of them would be lost"
     )));
 
     let two = of(&["sobel-x", "sobel-y"]);

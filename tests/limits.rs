@@ -514,7 +514,7 @@ fn vendor_code_goes_only_so_deep() {
         refused(
             case.folder.path(),
             &["asm", "p.cpp"],
-            "more than 1152 statements and values inside each other",
+            "more than 1152 nested statements and expressions",
         );
     }
     // One limit is told once, without what follows from it.

@@ -369,7 +369,9 @@ fn two_verbs_say_the_same_of_a_program() {
         }
         if objective == "exact" {
             assert!(
-                text.contains("nothing saturates for light up to 254 of 255, but what is compared behind a filter may"),
+                text.contains(
+                    "nothing saturates for light up to 254 of 255, but the result of a filter may"
+                ),
                 "{text}"
             );
             assert_eq!(said["saturating_stores"], 0);
@@ -442,7 +444,7 @@ fn no_halving_is_chosen_that_loses_a_threshold() {
     assert_eq!(low["prescale_bits"], 0);
     let note = low["notes"][0].as_str().unwrap();
     assert!(
-        note.contains("any change fires; take thresholds from 2.0 on"),
+        note.contains("any change fires; use thresholds from 2.0 on"),
         "{note}"
     );
     for threshold in ["1.2", "2.0"] {
@@ -862,7 +864,7 @@ fn a_memory_in_bits_is_quiet_or_says_so() {
     assert!(events > 1000, "{events}");
     let note = notes[0].as_str().unwrap();
     assert!(
-        note.contains("beyond the last") && note.contains("take --memory bits:4"),
+        note.contains("beyond the last") && note.contains("use --memory bits:4"),
         "{note}"
     );
     let (events, notes) = fired(&[&surround[..], &["bits:4"]].concat());

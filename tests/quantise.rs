@@ -119,7 +119,7 @@ fn a_threshold_of_nothing_is_told_of() {
         let done = amacrine(folder.path(), &compile).assert().success();
         String::from_utf8_lossy(&done.get_output().stdout).into_owned()
     };
-    let fires = "any change fires; take thresholds from ";
+    let fires = "any change fires; use thresholds from ";
     assert!(said("0.1").contains(fires), "{}", said("0.1"));
     assert!(!said("200").contains(fires), "{}", said("200"));
     for threshold in ["-3", "0"] {

@@ -219,7 +219,7 @@ fn what_moves_in_a_corner_alone_is_found() {
     is_found(&study, Some(&burst(16)), "a corner");
 }
 
-/// Where the part is shorter than the window of matches, accident scores as much as anything.
+/// Where the part is shorter than the window of matches, chance scores as much as anything.
 #[test]
 fn a_scene_that_is_hardly_longer_than_the_window_is_searched() {
     let scene = "pattern:noise?width=128&height=128&frames=48&fps=240&speed=60&grain=6";

@@ -125,7 +125,7 @@ fn a_sensor_s_trade_has_its_front_and_commands_that_run() {
     assert_eq!(trade["times"], "whole");
     assert_eq!(trade["f1_within_us"], trade["within_us"]);
     assert_eq!(trade["kept_within_us"], 100_000);
-    // Accident scores the same of all, which are measured against one model.
+    // Chance scores the same of all, which are measured against one model.
     for known in ["sampled", "whole"] {
         let floors = points(&trade)
             .iter()

@@ -82,7 +82,7 @@ impl Beside for Posts {
     }
 }
 
-const CHANGED: &str = "this kernel is recorded at its first launch alone, and";
+const CHANGED: &str = "this kernel is recorded only at its first launch, but";
 
 #[test]
 fn the_block_of_a_static_kernel_runs_once() {
@@ -292,7 +292,7 @@ fn where_a_kernel_begins_and_ends() {
         (
             "int x = 1 +\nscamp5_kernel_begin(); mov(A, B);",
             4,
-            "`scamp5_kernel_begin` stands inside a value",
+            "`scamp5_kernel_begin` is used inside an expression",
         ),
         (
             "for (int i = 0; i < 3; i++) {\nBEGIN mov(A, B); break; END }",
@@ -388,7 +388,7 @@ fn an_object_records_once() {
         text,
         "scamp5_in(D, 1); neg(C, A); neg(C, A); scamp5_in(D, 0);",
     );
-    assert_eq!(warnings, ["this kernel has words already, those of line 2"],);
+    assert_eq!(warnings, ["this kernel is already recorded, in line 2"],);
     // One that was made with words as well, and one that is made again has none.
     let text = "int main() { for (int i = 0; i < 2; i++) { scamp5_kernel k([&] { if (i == 0) { neg(C, A); } else { mov(C, A); } });\n\
                 k(); k([&] { mov(A, B); }); scamp5_launch_kernel(k); } }";
@@ -428,7 +428,7 @@ fn what_a_kernel_reads_is_read_while_it_is_recorded() {
         faults[0]
             .fault
             .message
-            .starts_with("whether this kernel runs, what `scamp5_global_or`")
+            .starts_with("whether this kernel runs depends on what `scamp5_global_or`")
     );
 }
 
@@ -440,7 +440,7 @@ fn a_function_with_the_name_of_a_word_is_the_files_own() {
     refused(
         &text,
         2,
-        "`sub` is a function of the file here, which begins a kernel inside a kernel",
+        "`sub` is a function of this file here, which begins a kernel inside a kernel",
     );
 }
 

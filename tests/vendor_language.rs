@@ -263,7 +263,7 @@ fn what_is_not_followed_of_classes_is_named() {
             "{base}struct D : B {{ int get() {{ return 2; }} }};\nint main() {{ D d; scamp5_in(A, d.get()); }}"
         ),
         3,
-        "`d`, a class whose `get` hides that of its base, which is not `virtual`, of line 2",
+        "`d`, a class whose `get` hides that of its base, which is not `virtual`, in line 2",
         "",
     );
     told(
@@ -281,18 +281,18 @@ fn what_is_not_followed_of_classes_is_named() {
     told(
         "int main() { std::map<int, int> m = {{1, 2}};\nscamp5_in(A, m.at(3)); }",
         2,
-        "`at` of the number 3, which is no key of this map",
+        "`at` of the number 3, which is not a key of this map",
         "`count`",
     );
     told(
         "struct S { int n; S& operator+=(int k) { mov(A, B); n += k; return *this; } };\nint main() { S s{1}; s += 2; }",
         1,
-        "`operator+=` runs words of the array where no call of it is written",
+        "`operator+=` runs instructions of the array without an explicit call",
         "",
     );
     let text = "int main() { std::unordered_map<int, int> m = {{2, 1}, {1, 2}}; for (auto& it : m) scamp5_in(A, it.first); }";
     let warnings = expand(text).unwrap().warnings;
-    let order = "the order of an `unordered_map` is not stated by the language";
+    let order = "the order of an `unordered_map` is unspecified in C++";
     assert!(
         warnings.iter().any(|it| it.message == order),
         "{warnings:?}"
@@ -349,7 +349,7 @@ fn what_the_gui_would_send_is_refused() {
         told(
             &frame(&format!("if ({guard}) {{ {asks} {wait} }}")),
             2,
-            "`vs_gui_request_image` asks the GUI for a picture, `a.bmp`, and there is none here",
+            "`vs_gui_request_image` asks the GUI for a picture, `a.bmp`, but there is no GUI here",
             "exec --set REGISTER=FILE.npy",
         );
     }
@@ -357,7 +357,7 @@ fn what_the_gui_would_send_is_refused() {
     told(
         &frame(&format!("if (vs_gui_request_done()) {{ {asks} {wait} }}")),
         2,
-        "`vs_gui_request_file` asks the GUI for a file, `w.bin`, and there is none here",
+        "`vs_gui_request_file` asks the GUI for a file, `w.bin`, but there is no GUI here",
         "constants",
     );
     // Nothing was asked for: the GUI is done.
@@ -386,7 +386,7 @@ fn casts_of_buffers_say_what_to_write() {
                 panic!("{faults:#?}");
             };
             let (message, help) = (&it.fault.message, it.fault.help.as_deref().unwrap());
-            assert!(message.contains("writes bytes, and `data` holds numbers of another size"));
+            assert!(message.contains("writes bytes, but the elements of `data` have another size"));
             assert!(
                 help.contains("declare `data` as an array of `uint8_t`"),
                 "{help}"
@@ -439,7 +439,7 @@ fn objects_where_only_the_run_decides() {
                 "int main() {{ std::map<int, int> m = {{{{1, 2}}}}; while (1) {{ vs_frame_loop_control(); if (scamp5_global_or(R5)) {{ {inside} }}\nscamp5_in(A, m.count(3)); }} }}"
             ),
             2,
-            "`scamp5_in` takes a value of which `m.count` decides",
+            "`scamp5_in` takes a value that depends on `m.count`",
             "",
         );
     }
@@ -451,21 +451,21 @@ fn a_switch_of_the_run_may_leave_more_than_itself() {
     told(
         "int main() { while (1) { vs_frame_loop_control(); for (int i = 0; i < 3; i++) { switch (scamp5_global_or(R5)) { case 1: continue; }\nscamp5_in(A, i); } } }",
         2,
-        "whether `scamp5_in` runs, what `scamp5_global_or` reads",
+        "whether `scamp5_in` runs depends on what `scamp5_global_or` reads",
         "",
     );
     told(
         "void f() { if (scamp5_global_or(R5)) { for (int k = 0; k < 2; k++) { return; } }\nmov(A, B); }\n\
          int main() { while (1) { vs_frame_loop_control(); f(); } }",
         2,
-        "whether `mov` runs, what `scamp5_global_or` reads",
+        "whether `mov` runs depends on what `scamp5_global_or` reads",
         "",
     );
     told(
         "int pick(int k) { switch (k) { case 4: return 1; case VS_LED_1: return 5; default: return 2; } }\n\
          int main() { while (1) { vs_frame_loop_control(); scamp5_in(A, pick(4));\nscamp5_in(A, pick(9)); } }",
         3,
-        "`scamp5_in` takes a value of which `VS_LED_1` decides",
+        "`scamp5_in` takes a value that depends on `VS_LED_1`",
         "",
     );
 }
@@ -476,7 +476,7 @@ fn objects_change_from_frame_to_frame() {
     let text = "struct Op { int runs = 0; virtual void run(areg_t a) = 0; };\n\
                 struct Shift : Op { int n; Shift(int k) : n(k) {} void run(areg_t a) override { for (int i = 0; i < n; i++) movx(a, a, west); runs++; } };\n\
                 int main() { Shift s(2); Op* all[] = {&s}; while (1) { vs_frame_loop_control(); all[0]->run(A); scamp5_in(B, all[0]->runs > -1 ? 3 : 3); } }";
-    told(text, 3, "`scamp5_in` takes a value of which", "");
+    told(text, 3, "`scamp5_in` takes a value that depends on", "");
     let text = text.replace(
         "scamp5_in(B, all[0]->runs > -1 ? 3 : 3);",
         "scamp5_in(B, s.n);",
@@ -484,7 +484,7 @@ fn objects_change_from_frame_to_frame() {
     assert_eq!(loaded(&expand(&text).unwrap().code.frame), [2.0]);
     // Who can run it is not refused.
     let text = "struct Op { void run(areg_t a) { mov(a, B); } };\nint main() { Op all[2]; while (1) { vs_frame_loop_control();\nall[scamp5_global_or(R5)].run(A); } }";
-    told(text, 3, "what `all.run` runs, ", "`exec` runs it");
+    told(text, 3, "what `all.run` runs depends on ", "`exec` runs it");
     let program = Program::read("p.cpp", text);
     assert!(program.layout(&Device::scamp5(), &Overrides::new()).is_ok());
 }
@@ -564,13 +564,13 @@ fn what_objects_change_that_are_not_followed() {
     told(
         "struct T { int n; T(int n) : n(n) {} T(const T& it) : n(it.n + 1) {} };\nint main() { T a(3); T b = a;\nscamp5_in(A, b.n); }",
         3,
-        "a class with a copy constructor of line 1",
+        "a class with a copy constructor in line 1",
         "",
     );
     told(
         "int main() { std::vector<int> a{1, 2}; std::vector<int> o;\nstd::merge(a.begin(), a.end(), a.begin(), a.end(), std::back_inserter(o)); if (o.empty())\nscamp5_in(A, 1); }",
         2,
-        "decides",
+        "depends on",
         "",
     );
 }
@@ -602,7 +602,7 @@ fn what_is_not_told_apart_is_refused() {
     told(
         "struct X { int v; }; int f(X&) { return 1; } int f(const X&) { return 2; } X x{1};\nint main() {\nscamp5_in(A, f(x)); }",
         3,
-        "which `f` is meant is ambiguous",
+        "the call of `f` is ambiguous",
         "",
     );
     told(
@@ -633,7 +633,7 @@ scamp5_in(B, tick(1)); scamp5_in(B, tick(1.0)); scamp5_in(B, tick(2)); V v; W w;
         "struct V { int x; }; struct W { int y; };\ntemplate<typename T> int tick() { static int n = 0; return ++n; }\nint main() { scamp5_in(A, tick<V>()); }",
         2,
         "which `n` this is",
-        "variable of the file",
+        "a global variable",
     );
 }
 
@@ -656,7 +656,7 @@ g(F::X); g(5); F y = F::Y; g(y); g((int)y); l(P); l(F::X); l(e); m(P); m(2);",
     );
     for unclear in ["f((E)3)", "H h; f(h.e)", "auto a = E(3); f(a)"] {
         let text = format!("{before}\nint main() {{ {unclear}; }}");
-        told(&text, 11, "which `f` is meant is ambiguous", "convert");
+        told(&text, 11, "the call of `f` is ambiguous", "convert");
     }
 }
 
@@ -685,7 +685,7 @@ fn what_the_run_decides_is_not_taken_for_known() {
         (
             "",
             "std::vector<int> v(n); scamp5_in(B, v.size());",
-            "`v.size` decides",
+            "depends on `v.size`",
         ),
         (
             "",
@@ -695,12 +695,12 @@ fn what_the_run_decides_is_not_taken_for_known() {
         (
             "",
             "std::vector<int> v; for (int i = 0; i < n; i++) v.push_back(i); scamp5_in(B, v.size());",
-            "`v.size` decides",
+            "depends on `v.size`",
         ),
         (
             "",
             "std::vector<int> v; if (n > 3) v = {1, 2}; scamp5_in(B, v.size());",
-            "`v.size` decides",
+            "depends on `v.size`",
         ),
         (
             "",
@@ -732,16 +732,20 @@ fn what_the_run_decides_is_not_taken_for_known() {
             "int a[3] = {1, 2, 3}; int* p = a; p += n; *p = 7; scamp5_in(B, a[0]);",
             "takes a value",
         ),
-        ("", "areg_t r = A; if (n > 3) r = B; mov(C, r);", "decides"),
+        (
+            "",
+            "areg_t r = A; if (n > 3) r = B; mov(C, r);",
+            "depends on",
+        ),
         (
             "int a, b; int* pick(int n) { if (n > 3) return &a; return &b; }",
             "b = 2; *pick(n) = 7; scamp5_in(B, b);",
-            "decides",
+            "depends on",
         ),
         (
             "struct P { int x; void set(int k) { x = k; } };",
             "P a{1}, b{2}; (n > 3 ? a : b).set(7); scamp5_in(B, a.x);",
-            "decides",
+            "depends on",
         ),
     ] {
         told(&within(before, inside), 3, message, "");
@@ -844,7 +848,7 @@ fn objects_that_change_others_are_refused() {
             &text,
             2,
             "the destructor of `E` changes",
-            "where the object ends",
+            "at the end of the object's lifetime",
         );
     }
     for (class, inside) in [
@@ -955,7 +959,7 @@ fn pointers_stand_behind_a_text() {
     told(
         "int main() { const char* p = \"abc\"; p += 5; mov(A, B); }",
         1,
-        "no text goes on",
+        "past the end of the string",
         "",
     );
 }
@@ -972,7 +976,7 @@ char lit[] = "xyz"; scamp5_in(B, sizeof(lit)); scamp5_in(B, lit[3]); for (char* 
     told(
         "int main() { char line[4];\nsprintf(line, \"%d\", 12345); scamp5_in(A, 1); }",
         2,
-        "`sprintf` writes 6 characters with the 0 at the end, and there is room for 4",
+        "`sprintf` writes 6 characters with the terminating 0, but the buffer has room for 4",
         "a larger array",
     );
     for (format, values) in [
@@ -1000,8 +1004,8 @@ char lit[] = "xyz"; scamp5_in(B, sizeof(lit)); scamp5_in(B, lit[3]); for (char* 
     told(
         "int main() { const char* p = \"ab\";\np += 3; scamp5_in(A, *p); }",
         2,
-        "no text goes on",
-        "no further than `strlen` says",
+        "past the end of the string",
+        "no further than `strlen` returns",
     );
 }
 
@@ -1102,43 +1106,43 @@ fn what_texts_do_not_take_is_refused() {
     for (inside, message, help) in [
         (
             "int k = 1;\nunsigned char u[] = \"\\xff\\x80\"; scamp5_in(A, u[0] - 200);",
-            "a text with a 0 inside, or with bytes that are no UTF-8",
+            "a string with a 0 inside, or with bytes that are not UTF-8",
             "{0xff, 0x80}",
         ),
         (
             "int k = 1;\nscamp5_in(A, strlen(\"a\\0b\"));",
-            "a text with a 0 inside, or with bytes that are no UTF-8",
+            "a string with a 0 inside, or with bytes that are not UTF-8",
             "an array of numbers",
         ),
         (
             "int k = 1;\nchar a[3] = \"abc\"; scamp5_in(A, a[0]);",
-            "4 characters with the 0 at the end, and there is room for 3",
+            "4 characters with the terminating 0, but there is room for 3",
             "fewer",
         ),
         (
             "std::string s = \"ab\";\ns.swap_ranges(1); scamp5_in(A, 1);",
-            "`s.swap_ranges` of the text \"ab\" is not supported",
+            "`s.swap_ranges` of the string \"ab\" is not supported",
             "`substr`",
         ),
         (
             "std::string s = \"ab\";\nscamp5_in(A, s.substr(5) == \"\");",
-            "`s.substr` of the text \"ab\" is not supported",
-            "no further than its end",
+            "`s.substr` of the string \"ab\" is not supported",
+            "within its length",
         ),
         (
             "std::string s = \"ab\";\ns[7] = 'c'; scamp5_in(A, 1);",
-            "a character of the text \"ab\" that it does not have",
-            "one less than the length",
+            "index out of range in the string \"ab\"",
+            "the length minus one",
         ),
         (
             "std::string s = \"ab\";\nstd::sort(s.begin() + 1, s.end()); scamp5_in(A, s == \"ab\");",
-            "`sort` over a part of a text is not supported",
-            "all of one text",
+            "`sort` over part of a string is not supported",
+            "a whole string",
         ),
         (
             "std::string s = \"ab\"; auto i = s.begin();\nstd::reverse(i, s.end()); auto j = s.end(); std::reverse(i, j); scamp5_in(A, 1);",
-            "`reverse` over a part of a text is not supported",
-            "all of one text",
+            "`reverse` over part of a string is not supported",
+            "a whole string",
         ),
     ] {
         told(&format!("int main() {{ {inside} }}"), 2, message, help);
@@ -1147,7 +1151,7 @@ fn what_texts_do_not_take_is_refused() {
     told(
         "char b[4]; int main() { b[0] = scamp5_global_or(R5); std::string s = \"a\";\nif (s == b) { mov(A, B); } }",
         2,
-        "whether this kernel runs, the characters in `b` decides",
+        "whether this kernel runs depends on the characters in `b`",
         "",
     );
 }
@@ -1159,7 +1163,7 @@ fn ends_that_are_seen_and_decltype_are_refused() {
         "struct G { int id;\n~G() { vs_post_text(\"%d\\n\", id); } };\nint main() { G g{1}; scamp5_in(A, 1); }",
         2,
         "the destructor of `G` shows or posts something",
-        "where the object ends",
+        "at the end of the object's lifetime",
     );
     told(
         "int main() { int x = 1;\nconst decltype(x) y = 2; scamp5_in(A, y); }",
@@ -1172,7 +1176,7 @@ fn ends_that_are_seen_and_decltype_are_refused() {
     told(
         &format!("{any}int main() {{ scamp5_in(A, count(1, 2)); }}"),
         3,
-        "`count` is a template of any number of types, which is not supported",
+        "`count` is a variadic template, which is not supported",
         "write a function for each number of arguments",
     );
     numbers(any, "scamp5_in(A, 4);", &[4]);
@@ -1191,7 +1195,7 @@ fn ends_that_are_seen_and_decltype_are_refused() {
     told(
         "struct B { unsigned a : 3; unsigned b : 5; };\nint main() { B b; b.a = 2; scamp5_in(A, b.a); }",
         2,
-        "which `b`, a class with bit fields of line 1, which is not supported, decides",
+        "depends on `b`, a class with bit fields in line 1, which is not supported",
         "docs/vendor-code.md",
     );
     numbers(
@@ -1220,6 +1224,6 @@ fn what_is_cut_off_is_told_once() {
     let all = expand(text).unwrap().warnings;
     let cut = all
         .iter()
-        .filter(|it| it.message.contains("makes the whole number"));
+        .filter(|it| it.message.contains("passes the integer"));
     assert_eq!(cut.count(), 2, "{all:#?}");
 }

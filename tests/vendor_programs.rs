@@ -91,7 +91,12 @@ fn destructors_behind_their_class_are_looked_at() {
         let text = format!(
             "struct E {{ int n; E(); ~E(); }};\nint left = 1;\nE::E() : n(1) {{}}\nE::~E() {{ {does} }}\nint main() {{ E e; mov(A, B); }}"
         );
-        told(&text, 4, "the destructor of `E`", "where the object ends");
+        told(
+            &text,
+            4,
+            "the destructor of `E`",
+            "at the end of the object's lifetime",
+        );
     }
     numbers(
         "struct E { int n; E(); ~E(); }; E::E() : n(6) {} E::~E() { n = 0; }",
@@ -105,13 +110,13 @@ fn what_stops_a_class_is_named() {
     told(
         "struct T { int n;\n  operator bool();\n  void run() { mov(A, B); } };\nint main() { T t; t.run(); }",
         4,
-        "`t.run` runs words of the array",
+        "`t.run` runs instructions of the array",
         "(the first in line 2)",
     );
     told(
         "struct T { int n; T(); };\nint main() { T t;\n if (t.n) mov(A, B); }",
         3,
-        "whose constructor of line 1 no file here defines",
+        "whose constructor in line 1 is not defined",
         "",
     );
 }
@@ -181,8 +186,8 @@ fn files_have_variables_of_one_name() {
 fn values_for_the_array_are_passed_with_a_sign() {
     let text = "int main() { uint8_t v = -50; scamp5_in(C, v); scamp5_in(A, 241); scamp5_in(B, -129); scamp5_load_in(C, 200); scamp5_in(A, -128); }";
     numbers_of(expand(text), &[-50, -15, 127, -128], text);
-    warned(text, "C++ makes -50 of 206");
-    warned(text, "C++ makes -56 of 200");
+    warned(text, "C++ passes -50 instead of 206");
+    warned(text, "C++ passes -56 instead of 200");
     let text = "int main() { scamp5_in(A, 0xffffffffffffffff); std::string s = std::to_string(18446744073709551615ULL); scamp5_in(B, s.size()); }";
     numbers_of(expand(text), &[-1, 20], text);
     warned(text, "C++ makes -1 of 18446744073709551615");
@@ -286,18 +291,18 @@ fn frames_before_the_loop_are_warned_of() {
     };
     warned(
         &text("vs_frame_loop_control(); CLR(R5);"),
-        "2 frames before the steady loop are one here, `init`",
+        "2 frames before the frame loop are merged into one here, `init`",
     );
     warned(
         &text("CLR(R5); vs_frame_loop_control(); CLR(R6); vs_frame_loop_control(); CLR(R7);"),
-        "3 frames before the steady loop",
+        "3 frames before the frame loop",
     );
     warned(
         "int main() { vs_frame_loop_control(); vs_frame_loop_control(); while (1) { vs_frame_loop_control(); get_image(A); } }",
-        "2 frames before the steady loop",
+        "2 frames before the frame loop",
     );
     for before in ["CLR(R5);", "", "vs_init(); scamp5_in(B, 1);"] {
-        let told = |it: &Fault| it.message.contains("before the steady loop");
+        let told = |it: &Fault| it.message.contains("before the frame loop");
         let read = expand(&text(before)).unwrap();
         assert!(!read.warnings.iter().any(told), "{before}");
     }
@@ -330,7 +335,7 @@ fn misspelt_types_are_named() {
     told(
         "struct Pair { int a; int b; };\nint main() {\nPairs p = {5, 6};\nscamp5_in(A, p.b); }",
         3,
-        "no file here defines a type `Pairs`",
+        "the type `Pairs` is not defined in any file here",
         "did you mean `Pair`?",
     );
     numbers(
@@ -346,13 +351,13 @@ fn functions_of_nobody_are_named() {
     told(
         "int main() {\nstartCamera(3); mov(A, B); }",
         2,
-        "`startCamera` is a function that no file here defines",
+        "the function `startCamera` is not defined in any file here",
         "define it",
     );
     told(
         "#include \"camera.hpp\"\nint main() {\nstartCamera(3); mov(A, B); }",
         3,
-        "`startCamera` is a function that no file here defines",
+        "the function `startCamera` is not defined in any file here",
         "`camera.hpp`",
     );
     // A word that is nearly one of the chip's.
@@ -417,7 +422,7 @@ fn parts_of_registers_are_compared() {
 #[test]
 fn sliders_and_their_handles() {
     let text = "int main() { int h = 32;\nh = vs_gui_add_slider(\"h: \", 3, 64, h, &h); scamp5_in(A, h); }";
-    warned(text, "`h` becomes the number of its slider's handle in C++");
+    warned(text, "in C++ `h` becomes the number of its slider's handle");
     numbers(
         "",
         "auto s = vs_gui_add_slider(\"s: \", 0, 9, 1); vs_gui_set_slider(s, 7); scamp5_in(A, vs_gui_read_slider(s)); vs_gui_move_slider(s, 9, false); scamp5_in(A, vs_gui_read_slider(s));",

@@ -453,7 +453,7 @@ fn over_scene(question: &Question<'_>, choice: &Choice, scene: &str) -> Rates {
     fall.unwrap().rates(&choice, &open, &|| {}).unwrap()
 }
 
-/// Within a window that covers the clip accident scores all there is.
+/// Within a window that covers the clip chance scores all there is.
 #[test]
 fn where_accident_scores_all_nothing_is_told() {
     let (kernel, device) = (ternary(), Device::scamp5());
@@ -483,7 +483,7 @@ fn where_accident_scores_all_nothing_is_told() {
     let drawing = all.drawing("nothing");
     let dashes = drawing.texts().filter(|text| *text == "-").count();
     assert_eq!(dashes, 2, "one for each rate, beside `kept`");
-    let why = "-: accident scores as much as anything there";
+    let why = "-: chance alone scores 1 there";
     assert!(drawing.texts().any(|text| text.starts_with(why)));
 }
 
@@ -1039,7 +1039,7 @@ mod verb {
             &[
                 "no waterfall of dense.toml on scamp5",
                 "instruction words",
-                "take fewer digits",
+                "use fewer digits",
             ],
         );
         assert_eq!(at.read_dir().unwrap().count(), 1, "files were left");

@@ -60,7 +60,7 @@ def main():
         if row["outcome"] != "done":
             raise optuna.TrialPruned(row["reason"])
         if row["error"] is None:
-            raise optuna.TrialPruned("no event, or accident scores as much as anything")
+            raise optuna.TrialPruned("no event, or chance alone scores 1")
         return row["error"], row[given.cost]
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)

@@ -135,7 +135,7 @@ fn seeds_that_have_not_run_to_the_end_are_left_out() {
     let table = report.table();
     let first = table.lines().next().unwrap();
     assert!(
-        first.ends_with("; seed 99 is left out, with which not all has run"),
+        first.ends_with("; seed 99 is left out: not all arms have run with it"),
         "{first}"
     );
     assert!(!whole.table().contains("left out"));
@@ -387,13 +387,15 @@ fn what_is_missing_is_said() {
         }
     }
     let table = Report::new(bare).table();
-    assert!(table.contains("SSIM is not told"), "{table}");
+    assert!(table.contains("SSIM is not reported"), "{table}");
     assert!(
-        table.contains("same: not one event on the held-out clips where 0.02 a pixel and pair"),
+        table.contains("same: no event on the held-out clips, where 0.02 per pixel and pair"),
         "{table}"
     );
     let whole = Report::new(record()).table();
-    assert!(!whole.contains("is not told") && !whole.contains("not one event"));
+    assert!(
+        !whole.contains("is not reported") && !whole.contains("no event on the held-out clips")
+    );
 }
 
 #[test]
@@ -417,7 +419,7 @@ fn the_surround_has_an_interval_over_seeds() {
     assert_eq!(one.answer(), "not shown");
     let table = Report::new(record.clone()).table();
     assert!(
-        table.contains("of its centre, and one seed tells no interval\n"),
+        table.contains("of its centre, and one seed gives no interval\n"),
         "{table}"
     );
     record.kernels.clear();

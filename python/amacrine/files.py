@@ -247,9 +247,9 @@ def compare(
     Returns:
         ``headline`` (kept, f1, floor, window_us), ``curve`` over all windows, ``f1``,
         ``precision``, ``recall``, ``events``, ``dropped`` (None where nobody knows it) and more, and under ``ruler`` every metric beside the
-        identical packet and accident. ``docs/ruler.md`` has them all. What makes the score mean
+        identical packet and chance. ``docs/ruler.md`` has them all. What makes the score mean
         something else than it seems to (kinds of other names, a packet without events, a window
-        within which accident scores as much) is under ``warnings``, and a :class:`Caution`. With
+        within which chance alone scores nearly 1) is under ``warnings``, and a :class:`Caution`. With
         ``sensor`` the headline has ``threshold_equivalent_percent``, whether that
         ``threshold_equivalent_is_least``, and ``tuned``, the same against the sensor of as many events.
     """
@@ -275,7 +275,7 @@ def _made_by(given: Any, scene: Any, fps: Any, scale: Any, upsample: Any) -> Any
         for name, value in {"scene": scene, "scale": scale, "upsample": upsample}.items():
             if value is not None:
                 raise Error(
-                    f"{name} is of no use without sensor\n"
+                    f"{name} needs sensor\n"
                     "help: give the sensor that made the reference, too: then it is run at higher "
                     "thresholds"
                 )

@@ -94,7 +94,7 @@ def of_chip(
 
 
 NOTHING_KEPT = ("no-events", "window")
-"""Warnings of what leaves nothing to keep: no event, or accident that scores as much."""
+"""Warnings of what leaves nothing to keep: no event, or chance alone scores nearly 1."""
 
 
 def _row(row: dict[str, Any]) -> dict[str, Any]:

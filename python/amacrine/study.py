@@ -169,7 +169,7 @@ def quantise(
         for name, one in of_chip.items():
             if one is not None:
                 raise Error(
-                    f"{name} is of no use without thresholds\n"
+                    f"{name} needs thresholds\n"
                     "help: give thresholds, too, or a sensor, which has its own: then each is run on the "
                     "chip"
                 )
@@ -249,7 +249,7 @@ def design(
         (``kept``, 0 to 1), ``words``, ``frames_s``, ``on_front``, its ``kinds``, and the texts of its
         files, ``sensor`` (.toml) and ``program`` (.scamp). ``knee`` is the index of the shortest
         program on the front that keeps nearly as much as the best; None where no program keeps
-        more than accident does in this scene. ``rated`` has the rate of each kind (``rates``) and how
+        more than chance does in this scene. ``rated`` has the rate of each kind (``rates``) and how
         many events that is of the float sensor (``events``). What there is to warn of is said of the
         knee.
     """

@@ -243,7 +243,7 @@ struct Headline {
     equivalent: Option<Equivalent>,
 }
 
-/// One metric beside the identical packet and accident.
+/// One metric beside the identical packet and chance.
 #[derive(Serialize)]
 struct Ruled {
     value: Option<f64>,

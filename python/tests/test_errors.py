@@ -147,11 +147,11 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "chip of no use": (
         lambda: amacrine.quantise("dvs", "ternary", chip="nope"),
-        "chip is of no use without thresholds",
+        "chip needs thresholds",
     ),
     "effort of no use": (
         lambda: amacrine.quantise("dvs", "ternary", effort=-5),
-        "effort is of no use without thresholds",
+        "effort needs thresholds",
     ),
     "rates of steps": (
         lambda: amacrine.waterfall("dvs", 9, steps=True, rates=25), "leave rates out, or steps"

@@ -261,7 +261,7 @@ def test_compare_runs_the_sensor_of_the_reference(
         assert of["threshold_equivalent_percent"] > 0 and of["tuned"]
     with pytest.raises(amacrine.Error, match="(?s)is not what .*, fps, upsample and seed.*leave sensor out"):
         amacrine.compare(b, a, sensor=sensor, scene=scene)
-    with pytest.raises(amacrine.Error, match="scene is of no use without sensor"):
+    with pytest.raises(amacrine.Error, match="scene needs sensor"):
         amacrine.compare(a, b, scene=scene)
     with pytest.raises(amacrine.Error, match="sensor = 3 is no path"):
         amacrine.compare(a, b, sensor=3)

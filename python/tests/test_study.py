@@ -331,7 +331,7 @@ def test_design(program: Callable[..., str], tmp_path: Path) -> None:
     assert (of["knee"], of["rated"]) == (stated["knee"], stated["rated"])
     for own, theirs in zip(of["candidates"], stated["candidates"], strict=True):
         assert {name: own[name] for name in theirs} == theirs
-    # Where no row keeps more than accident there is no knee, and the first is taken.
+    # Where no row keeps more than chance there is no knee, and the first is taken.
     taken = of["candidates"][of["knee"] or 0]
     assert taken["sensor"].replace("design", "made") == (out / "sensor.toml").read_text()
     written = (out / "program.scamp").read_text()

@@ -87,7 +87,7 @@ fn shown(cost: &str, value: f64) -> String {
     }
 }
 
-/// An error in six characters. Where accident scores nearly 1 it can be far above 1: of that only
+/// An error in six characters. Where chance scores nearly 1 it can be far above 1: of that only
 /// so much is told, so that columns stay apart.
 fn error(error: f64) -> String {
     if error < 9.999_95 {
@@ -116,7 +116,7 @@ fn beyond(group: &Group) -> String {
     }
     let most = (equivalent::RUNGS[equivalent::RUNGS.len() - 1] - 1.0) * 100.0;
     format!(
-        "  threshold: {} lost more than the highest threshold that was tried, {most:+.0} %, and counts as that; a mean with such points is more than what stands behind >\n",
+        "  threshold: {} lost more than the highest threshold that was tried, {most:+.0} %, and counts as that; a mean with such points is larger than the number after >\n",
         counted(points, "point")
     )
 }
@@ -147,18 +147,22 @@ fn left_out(report: &Report, group: &Group) -> Vec<String> {
         return Vec::new();
     }
     let mut lines = vec![format!(
-        "{MARK} {} with figures of a plainer model (fidelity = \"auto\"), of which at most so many events are others; left out:",
+        "{MARK} {} with figures of a plainer model (fidelity = \"auto\"), in which at most so many events differ; left out:",
         counted(sensors, "sensor")
     )];
     let each = limits.iter();
     lines.extend(each.map(|(what, limit)| format!("  {what}: at most {:.1} %", 100.0 * limit)));
     if report.cost == "seconds_per_frame" {
         lines.push(
-            "  their times are those of the plainer model, and no front is told by them".to_owned(),
+            "  their times are those of the plainer model, and are not used for the front"
+                .to_owned(),
         );
     }
     if group.sensors.iter().any(|s| s.undecided_with.is_some()) {
-        lines.push("  open: by what was left out, what is named may be better or not".to_owned());
+        lines.push(
+            "  open: because of what was left out, the sensor named may be better or not"
+                .to_owned(),
+        );
     }
     lines
 }

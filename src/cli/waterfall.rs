@@ -135,7 +135,7 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
 fn fps(text: &str) -> Result<f64, String> {
     { text.parse().ok() }
         .filter(|fps: &f64| fps.is_finite() && *fps > 0.0)
-        .ok_or_else(|| format!("`{text}` is no rate: give a number above 0, in frames/s"))
+        .ok_or_else(|| format!("`{text}` is not a rate: give a number above 0, in frames/s"))
 }
 
 /// Sensors that watch side by side: one a step, and in all but one of them; and the float
@@ -225,7 +225,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
         let _ = writeln!(
             text,
-            "{}\nthat is the chip against a float sensor that decides once a frame too, as quantise and feasibility say it",
+            "{}\nthat is the chip against a float sensor that decides once a frame too, as in quantise and feasibility",
             told.steps.likeness
         );
         text += &match &told.rates {

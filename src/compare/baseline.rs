@@ -1,10 +1,10 @@
-//! Baselines: packets that are right by accident, so that a metric's value can be judged.
+//! Baselines: packets that are right by chance, so that a metric's value can be judged.
 //!
 //! - A **redraw** keeps where the reference has events, and forgets when: each cell has as many
 //!   events as in the reference, at times drawn, with replacement, from the times at which all
 //!   *other* cells have theirs. So both its map of rates and its rate over time are the reference's.
 //!   Uniform times would flatter the judged packet: events that fall on the frames of a clip, as a
-//!   chip's do, match by accident much more often than uniform ones. Where only one cell has events,
+//!   chip's do, match by chance much more often than uniform ones. Where only one cell has events,
 //!   the times are uniform between its first and last.
 //! - A **permutation** keeps when, and forgets where: all cells of a pixel move to another pixel,
 //!   each pixel to exactly one, silent ones too.

@@ -64,7 +64,7 @@ impl fmt::Debug for Measured<'_> {
 }
 
 impl<'a> Measured<'a> {
-    /// A pair to be measured, with its voxels in these bins; what scores by accident is told by
+    /// A pair to be measured, with its voxels in these bins; what scores by chance is told by
     /// redraws of its reference.
     #[must_use]
     pub fn new(pair: &'a Pair, bins: Bins, redraws: &'a Redraws) -> Self {

@@ -80,7 +80,7 @@ pub struct Score {
     pub value: Option<f64>,
     /// For the reference against itself.
     pub identical: Option<f64>,
-    /// For redraws of the reference: right places, times by accident.
+    /// For redraws of the reference: right places, times by chance.
     pub redraw: Option<f64>,
     /// For permutations of the reference: right times, wrong places.
     pub permuted: Option<f64>,

@@ -1,8 +1,8 @@
-//! F1 over the window of its matches, and what of it is more than accident.
+//! F1 over the window of its matches, and what of it is more than chance.
 //!
-//! Which events match depends on the window, and so does what matches by accident. So F1 is told
+//! Which events match depends on the window, and so does what matches by chance. So F1 is told
 //! for windows from 1 us to 1 s, with its **floor**: that of redraws of the reference, which have
-//! the right places and rates and times by accident ([`baseline`]). The **ceiling** is 1, that of
+//! the right places and rates and times by chance ([`baseline`]). The **ceiling** is 1, that of
 //! the reference itself. What lies between is *kept*:
 //!
 //! ```text
@@ -29,14 +29,14 @@ use super::{
 };
 use crate::unit::Micros;
 
-/// What of F1 is more than accident, within a window.
+/// What of F1 is more than chance, within a window.
 pub static KEPT: Entry = Entry {
     key: "kept",
     title: "kept within",
     scale: Scale::Window,
     study: Some((
         "kept",
-        "what of F1 is more than accident, for each window: 1 at most, 0 for a redraw",
+        "the part of F1 above chance, for each window: 1 at most, 0 for a redraw",
     )),
     blind_to: "",
     knows_a_redraw: true,
@@ -86,7 +86,7 @@ pub fn interval(fps: f64) -> Micros {
     Micros((1e6 / fps).ceil() as u64)
 }
 
-/// Up to which floor of F1 a scene can judge: where accident alone scores more, a few events decide
+/// Up to which floor of F1 a scene can judge: where chance alone scores more, a few events decide
 /// what is left above it.
 pub const CLEAR_FLOOR: f64 = 0.9;
 
@@ -96,9 +96,9 @@ pub fn can_judge(floor: f64) -> bool {
     floor <= CLEAR_FLOOR
 }
 
-/// What of a score is more than accident; the score is at most 1.
+/// What of a score is more than chance; the score is at most 1.
 ///
-/// Where accident scores 1, a packet that scores 1 keeps all; of any other nothing can be said.
+/// Where chance scores 1, a packet that scores 1 keeps all; of any other nothing can be said.
 #[must_use]
 pub fn kept(score: f64, floor: f64) -> Option<f64> {
     if floor < 1.0 {

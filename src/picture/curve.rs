@@ -1,4 +1,4 @@
-//! A score over the window of its matches, between what accident scores and what the reference
+//! A score over the window of its matches, between what chance scores and what the reference
 //! itself does.
 
 use super::{
@@ -35,7 +35,7 @@ pub struct CurvePoint {
     pub window: Micros,
     /// The score, 1 at most.
     pub score: f64,
-    /// What accident scores.
+    /// What chance scores.
     pub floor: f64,
 }
 
@@ -163,7 +163,7 @@ impl Legend {
                 (CEILING, "ceiling: the reference itself".to_owned()),
             ],
             vec![
-                (FLOOR, "floor: right places, times by accident".to_owned()),
+                (FLOOR, "floor: right places, times by chance".to_owned()),
                 (KEPT, "kept: the way from the floor".to_owned()),
             ],
         ];

@@ -20,7 +20,7 @@ use super::{
 /// Names for other kinds of cells than a program reads out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error(
-    "{file}: `names` has {}, and the program reads out events of {}",
+    "{file}: `names` has {}, but the program reads out events of {}",
     crate::unit::counted(*names, "name"),
     crate::unit::counted(*kinds, "kind")
 )]

@@ -41,8 +41,8 @@ pub const RUNGS: [f64; 15] = [
 /// How a packet compares with the float sensor's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Likeness {
-    /// What of F1 is more than accident: `(f1 - floor) / (1 - floor)`; none where the reference has
-    /// no event, or accident scores as much as anything, of which there is a
+    /// What of F1 is more than chance: `(f1 - floor) / (1 - floor)`; none where the reference has
+    /// no event, or chance scores as much as anything, of which there is a
     /// [`warning`](Self::warning).
     pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
@@ -66,7 +66,7 @@ pub struct Likeness {
 }
 
 impl Likeness {
-    /// Whether the scene can judge: the reference has events, and accident scores not nearly as
+    /// Whether the scene can judge: the reference has events, and chance scores not nearly as
     /// much as anything ([`window::can_judge`]).
     #[must_use]
     pub fn is_judged(&self) -> bool {
@@ -80,7 +80,7 @@ impl Likeness {
             .filter(|_| self.is_judged())
     }
 
-    /// That accident scores as much as anything, where it does and there is something to keep;
+    /// That chance scores as much as anything, where it does and there is something to keep;
     /// `name` is whose events these are.
     #[must_use]
     pub fn warning(&self, name: &str) -> Option<Warning> {
@@ -98,7 +98,7 @@ impl Likeness {
 pub struct Tuned {
     /// What its threshold is more than the reference's, in per cent: the gain error.
     pub threshold_percent: f64,
-    /// What is kept of it: the shape; none where accident scores as much as anything, or one of
+    /// What is kept of it: the shape; none where chance scores as much as anything, or one of
     /// the two has no event.
     pub kept: Option<f64>,
     /// The change of threshold that costs as much as what is not kept; none where that is not
@@ -319,7 +319,7 @@ impl Ladder {
 
     /// The change of the threshold, in per cent, that costs as much as this F1; and whether it is
     /// at least that, being beyond the last rung. F1 and what is kept rise together, and F1 tells
-    /// packets apart also where accident scores as much.
+    /// packets apart also where chance scores as much.
     #[must_use]
     pub fn equivalent(&self, f1: f64) -> (f64, bool) {
         let rungs = self.rungs.iter().filter(|rung| rung.part > 1.0);
@@ -482,7 +482,7 @@ pub fn percents(percent: Option<f64>, is_least: bool) -> String {
     }
 }
 
-/// What is kept, with so many decimals, or a dash where nothing can be. Where accident scores nearly 1
+/// What is kept, with so many decimals, or a dash where nothing can be. Where chance scores nearly 1
 /// it can be far below 0: of that only so much is told, so that columns stay apart.
 #[must_use]
 pub fn kept(kept: impl Into<Option<f64>>, decimals: usize) -> String {

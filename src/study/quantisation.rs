@@ -59,14 +59,14 @@ pub struct Row {
 /// What of a chip's [`Likeness`] a row begins with.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Headline {
-    /// What of F1 is more than accident; none where nothing can be kept.
+    /// What of F1 is more than chance; none where nothing can be kept.
     pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
     pub window_us: Micros,
     /// Frames a second that were shown.
     pub fps: f64,
     /// The change of the float sensor's threshold that costs as much, in per cent; none where
-    /// the float sensor has no event, or accident scores as much as anything.
+    /// the float sensor has no event, or chance scores as much as anything.
     pub threshold_equivalent_percent: Option<f64>,
 }
 

@@ -112,7 +112,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         (Some(_), Some(run)) => Err(miette!(
             help =
                 "give a task with -o RUN, or one of report, new, schema: `amacrine-learn --help`",
-            "{} is no option of this verb",
+            "{} is not an option of this verb",
             run.task.display()
         )),
         (Some(Verb::Report { run }), None) => report(&run),
@@ -242,7 +242,7 @@ fn warn_of_shared(run: &Run<'_>) {
     };
     if let Some((own, other)) = held_out.shared(training) {
         complain(&format!(
-            "Warning: the photographs {own}, which is held out, and {other}, which is trained with, are the same: what is learned of one by heart is judged on the other; remove one\n"
+            "Warning: the photographs {own}, which is held out, and {other}, which is trained with, are the same: memorising one improves the score on the other; remove one\n"
         ));
     }
 }

@@ -9,7 +9,7 @@ use crate::record::VERSION;
 pub enum ReportError {
     /// No record.
     #[error("{}: {cause}", path.display())]
-    #[diagnostic(help("give the folder of a run: what stands after -o when it was learned"))]
+    #[diagnostic(help("give the folder of a run: the one after -o when it was trained"))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -18,7 +18,7 @@ pub enum ReportError {
     },
     /// Something else than a record.
     #[error("{}: no record of a run: {cause}", path.display())]
-    #[diagnostic(help("run it again with --resume, which writes the file anew"))]
+    #[diagnostic(help("run it again with --resume, which rewrites the file"))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -27,7 +27,7 @@ pub enum ReportError {
     },
     /// A record of another version.
     #[error("{}: version {got} of the record; this program reads version {VERSION}", path.display())]
-    #[diagnostic(help("take the program that made the run, or run it again"))]
+    #[diagnostic(help("use the program that made the run, or run it again"))]
     Version {
         /// The file.
         path: PathBuf,

@@ -46,13 +46,13 @@ impl Report {
         ];
         for (_, what, more) in lacking.iter().filter(|(count, ..)| *count == 1) {
             notes.push(format!(
-                "only one {what}, and one says nothing of others: no difference is shown; take {more}"
+                "only one {what}, which says nothing about others: no difference is shown; use {more}"
             ));
         }
         let metrics = self.metrics();
         if metrics.contains(&Metric::Psnr) && !metrics.contains(&Metric::Ssim) {
             notes.push(
-                "SSIM is not told: its windows of 11x11 pixels do not fit into the held-out clips; take `crop` of 11 or more in [test]"
+                "SSIM is not reported: its windows of 11x11 pixels do not fit into the held-out clips; set `crop` in [test] to 11 or more"
                     .to_owned(),
             );
         }
@@ -60,7 +60,7 @@ impl Report {
             let points = self.curve(arm, self.headline()).points;
             for point in points.iter().filter(|p| p.target > 0.0 && p.events == 0.0) {
                 notes.push(format!(
-                    "{arm}: not one event on the held-out clips where {} a pixel and pair were asked for",
+                    "{arm}: no event on the held-out clips, where {} per pixel and pair were asked for",
                     point.target
                 ));
             }

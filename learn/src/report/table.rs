@@ -122,10 +122,10 @@ impl Report {
         let left_out: Vec<String> = self.left_out.iter().map(u64::to_string).collect();
         let left_out = match left_out.as_slice() {
             [] => String::new(),
-            [seed] => format!("; seed {seed} is left out, with which not all has run"),
+            [seed] => format!("; seed {seed} is left out: not all arms have run with it"),
             seeds => {
                 let seeds = seeds.join(", ");
-                format!("; seeds {seeds} are left out, with which not all has run")
+                format!("; seeds {seeds} are left out: not all arms have run with them")
             }
         };
         format!(
@@ -174,7 +174,7 @@ impl Report {
                 let seeds = found.seeds.len();
                 format!("from {low:+.3} to {high:+.3} (95 % over {seeds} seeds)")
             } else {
-                "and one seed tells no interval".to_owned()
+                "and one seed gives no interval".to_owned()
             },
         ))
     }

@@ -82,7 +82,7 @@ impl Headline {
         self.point.window_us
     }
 
-    /// What there is to warn of: the recordings, their names, and accident that scores as much as
+    /// What there is to warn of: the recordings, their names, and chance that scores as much as
     /// anything.
     pub(super) fn warnings(&self, packets: [&Packet; 2]) -> Vec<Warning> {
         let Point {
@@ -111,7 +111,7 @@ impl Headline {
             kept,
         } = self.point;
         let mut text = format!(
-            "kept {} within {}: F1 {f1:.4}, by accident {floor:.4}",
+            "kept {} within {}: F1 {f1:.4}, by chance {floor:.4}",
             equivalent::kept(kept, 4),
             Short(window_us)
         );
@@ -142,7 +142,7 @@ impl Headline {
                         tuned.equivalent()
                     )
                 }
-                None => "kept -, since accident scores as much as anything".to_owned(),
+                None => "kept -, since chance alone scores 1".to_owned(),
             };
             format!(
                 "against the sensor of as many events, its threshold {:+.1} %: {told}\n",

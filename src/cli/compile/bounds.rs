@@ -49,14 +49,14 @@ impl Bounds {
             "optimal: no word is needed".to_owned()
         } else if lower == 0 {
             format!(
-                "at most {}; whether fewer make {of} {open}",
+                "at most {}; whether fewer compute {of} {open}",
                 crate::unit::counted(upper, "word")
             )
         } else if self.is_optimal() {
-            format!("optimal: no program of fewer words makes {of} ({why})")
+            format!("optimal: no program of fewer words computes {of} ({why})")
         } else {
             format!(
-                "between {lower} and {upper} words: no program of fewer than {lower} makes {of} ({why}); whether one of fewer than {upper} does {open}"
+                "between {lower} and {upper} words: no program of fewer than {lower} computes {of} ({why}); whether one of fewer than {upper} does {open}"
             )
         }
     }

@@ -156,12 +156,12 @@ impl Compiled {
             })
         };
         let ways = [
-            bits.map(|bits| format!("take --memory bits:{bits}")),
-            least.map(|least| format!("take thresholds from {} on", from(least))),
+            bits.map(|bits| format!("use --memory bits:{bits}")),
+            least.map(|least| format!("use thresholds from {} on", from(least))),
         ];
         let ways: Vec<String> = ways.into_iter().flatten().collect();
         let ways = match &ways[..] {
-            [] => "take another memory (--memory analogue or shared)".to_owned(),
+            [] => "use another memory (--memory analogue or shared)".to_owned(),
             ways => ways.join(", or "),
         };
         Some(format!(
@@ -244,7 +244,7 @@ impl Compiled {
     fn energy_line(&self, device: &Device) -> String {
         let energy = self.energy(device);
         format!(
-            "{} uJ a frame for its words, each at full power over the highest clock ({}); what the array takes idle and for the readout is not public",
+            "{} uJ a frame for its words, each at full power over the highest clock ({}); the power of the idle array and of the readout is not public",
             between(energy.ends(), 2),
             energy.evidence.word()
         )
@@ -374,7 +374,7 @@ impl Compiled {
             0 => return "right up to the border, zeros beyond it".to_owned(),
             far if edge != 0.0 => {
                 return format!(
-                    "not right at the border, within {} of it: beyond it registers of {} hold {edge} LSB (edge.analogue), and the kernel takes zeros; exec --edge 0 runs it without",
+                    "not right at the border, within {} of it: beyond it registers of {} hold {edge} LSB (edge.analogue), but the kernel assumes zeros; exec --edge 0 runs it without",
                     counted(far, "pixel"),
                     device.name()
                 );
@@ -384,7 +384,7 @@ impl Compiled {
         };
         if self.memory.is_some() {
             format!(
-                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers; --border insists on a program that is right there"
+                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or use a chip with more registers; --border insists on a program that is right there"
             )
         } else {
             let way = if self.to_border {
@@ -421,7 +421,7 @@ impl Compiled {
                 )
             }
             (n, _) if self.memory.is_some() => format!(
-                "{} can saturate: search longer (--effort), or take fewer digits (--to)",
+                "{} can saturate: search longer (--effort), or use fewer digits (--to)",
                 counted(n, "store"),
             ),
             (n, bits) => {
@@ -443,7 +443,7 @@ impl Compiled {
         let range = match range.strip_prefix("nothing saturates") {
             Some(rest) if self.memory.is_some() => {
                 format!(
-                    "nothing saturates for light up to {} of 255, but what is compared behind a filter may{rest}",
+                    "nothing saturates for light up to {} of 255, but the result of a filter may{rest}",
                     brightest(device)
                 )
             }
@@ -452,7 +452,7 @@ impl Compiled {
         let errors = if self.filter.holds || !self.ranged {
             ""
         } else {
-            "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
+            "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or use fewer digits (--to)"
         };
         range + errors
     }
@@ -491,7 +491,7 @@ impl Compiled {
             ),
         };
         format!(
-            "{what} is halved {} on the way, for the most events on the chip; {within}, and a decision in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
+            "{what} is halved {} on the way, for the most events on the chip; {within}, and then decisions in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
             self.halvings()
         )
     }
@@ -507,7 +507,7 @@ impl Compiled {
     /// How well each filter decides.
     fn decided(&self, device: &Device) -> Option<String> {
         if !self.is_captured(device) {
-            return Some("not predicted: the light itself is cut off (range)".to_owned());
+            return Some("not predicted: the light itself is clipped (range)".to_owned());
         }
         let f1 = |of: fn(Decided) -> f64| {
             self.each(|filter| kept(filter).map_or("-".to_owned(), |it| format!("{:.2}", of(it))))
@@ -587,7 +587,7 @@ fn any_fires(thresholds: [f64; 2], unit: f64, device: &Device) -> Option<String>
     let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
     lost.then(|| {
         format!(
-            "any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
+            "any change fires; use thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
             Errors::from_device(device).input_step * unit
         )
     })

@@ -370,7 +370,7 @@ impl Asked {
         match asked {
             Some(asked) if is_shared(asked) != is_shared(own) => Err(miette!(
                 help = "leave --memory out, or change the sensor's memory: `filtered-snap` for analogue and bits, `raw-snap` with `shared = true` for shared",
-                "the sensor file and --memory say different memories"
+                "the sensor file and --memory name different memories"
             )),
             Some(asked) => Ok(asked),
             None => Ok(own),
@@ -497,7 +497,7 @@ fn stored(filter: Filter, request: &Request<'_>) -> miette::Result<Filter> {
         return Err(error.into());
     }
     complain(&format!(
-        "warning: the best program has {}, more than {} holds: this is the shortest, as of --objective words\n",
+        "warning: the best program has {}, more than {} holds: this is the shortest, as with --objective words\n",
         counted(words, "instruction word"),
         device.name()
     ));
@@ -563,7 +563,7 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
     };
     if arguments.border && !compiled.filter.border {
         return Err(miette!(
-            help = "search longer (--effort), ask for fewer kinds, take a chip with more registers (--chip scamp5-wide), or leave --border out: events then differ near the border alone",
+            help = "search longer (--effort), ask for fewer kinds, use a chip with more registers (--chip scamp5-wide), or leave --border out: events then differ near the border alone",
             "no program was found whose filters are right up to the border of the array"
         ));
     }
@@ -663,8 +663,8 @@ fn named(names: &[String], device: &Device) -> miette::Result<Vec<Analog>> {
             Ok(register)
         }
         _ => Err(miette!(
-            help = "give analogue registers of the chip but NEWS, such as A,B",
-            "{name} is no register that can hold a result on {}",
+            help = "give analogue registers of the chip other than NEWS, such as A,B",
+            "{name} is not a register that can hold a result on {}",
             device.name()
         )),
     };

@@ -150,7 +150,7 @@ impl Compiled {
             "fewer digits (--to), "
         };
         Some(format!(
-            "warning: {what} (correlation {worst:.3} with the exact filter): the program is useful in exact arithmetic only; take {fewer}{narrower}, or {other}\n"
+            "warning: {what} (correlation {worst:.3} with the exact filter): the program is useful in exact arithmetic only; use {fewer}{narrower}, or {other}\n"
         ))
     }
 
@@ -192,7 +192,7 @@ impl Compiled {
         let warning = |what: &str, told: &[String]| {
             (!told.is_empty()).then(|| {
                 format!(
-                    "warning: {what}: {}; take a lower threshold\n",
+                    "warning: {what}: {}; lower the threshold\n",
                     told.join("; ")
                 )
             })

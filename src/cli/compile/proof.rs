@@ -69,7 +69,7 @@ impl Proof<'_> {
             .is_some_and(|effort| effort.saturating_mul(weights) <= RANGED);
         let (results, saturations) = if ranged {
             let ranges = range::of(words, self.device, settings, self.inputs)
-                .wrap_err("the program's ranges cannot be told")?;
+                .wrap_err("the program's ranges cannot be determined")?;
             let of = |r: &Analog| ranges.registers.get(usize::from(r.0)).copied();
             let results: Vec<Interval> = self.results.iter().filter_map(of).collect();
             (results, ranges.saturations.len())
@@ -174,9 +174,8 @@ impl Proof<'_> {
                 words,
                 room,
                 chip: self.device.name().to_owned(),
-                advice:
-                    "ask for fewer kinds, search longer (--effort), or take fewer digits (--to)"
-                        .to_owned(),
+                advice: "ask for fewer kinds, search longer (--effort), or use fewer digits (--to)"
+                    .to_owned(),
             }
             .into();
         }

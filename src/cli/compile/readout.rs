@@ -67,7 +67,7 @@ pub(super) struct Readouts {
 }
 
 /// What is always unknown.
-const LINK: &str = "what the host does with what it has read, and the link to a computer: no public figure, and in none of these times";
+const LINK: &str = "the host's processing and the link to a computer have no public figure, and are in none of these times";
 
 /// Weighs the ways to read a program's events, and chooses.
 pub(super) fn planned(
@@ -125,7 +125,7 @@ pub(super) fn planned(
     let chosen = chosen.ok_or_else(|| {
         miette!(
             help = "give --scene, whose events are counted, or --readout planes",
-            "nobody says in which rows the events lie"
+            "it is not stated in which rows the events lie"
         )
     })?;
     let readout = EventReadout::from(&plans[chosen]);

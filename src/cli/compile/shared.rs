@@ -31,7 +31,7 @@ pub(super) fn whole(
     };
     if arguments.readout == readout::Asking::Sums {
         return Err(miette!(
-            help = "give --readout counts, or --memory analogue for kinds that fit so",
+            help = "give --readout counts, or --memory analogue if the kinds fit",
             "--readout sums: kinds that share a memory have their drives in one register, one after the other"
         ));
     }

@@ -70,9 +70,9 @@ impl Demo<'_> {
         let [own, faster] = &self.showings;
         let window = Short(own.window);
         let mut lines = vec![
-            "How to read it: each row is held against the float sensor of its own cell. kept is F1, from its".to_owned(),
+            "How to read it: each row is compared with the float sensor of its own cell. kept is F1, from its".to_owned(),
             "floor (0: one that knows only how often each pixel fires) to 1 (every event right); the same as a".to_owned(),
-            "threshold: a float sensor whose threshold is so much higher keeps as much. An event is right within".to_owned(),
+            "threshold: a float sensor with a threshold so much higher keeps as much. An event is right within".to_owned(),
             format!(
                 "{window} at its pixel with its sign; F1 within 1 ms is not shown: it asks for the same frame, and falls"
             ),
@@ -107,8 +107,7 @@ impl Demo<'_> {
                 "With more frames less is kept ({fast:.3}, not {slow:.3}): each is another chance for noise to cross the threshold, and"
             ));
             lines.push(
-                "the memory takes what it finds. `amacrine waterfall` tells what each error does."
-                    .to_owned(),
+                "the memory stores it. `amacrine waterfall` shows what each error does.".to_owned(),
             );
         }
         if let Some(fewer) = of(own, FEWER, exact) {

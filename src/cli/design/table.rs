@@ -72,7 +72,7 @@ pub(super) fn text(
     }
     text += &refusals(found);
     if found.knee.is_none() {
-        text += "no knee: no row keeps more than accident does\n";
+        text += "no knee: no row keeps more than chance does\n";
     }
     let candidate = &found.candidates[picked];
     let _ = writeln!(
@@ -119,7 +119,7 @@ fn reading(found: &Exploration, candidate: &Candidate) -> String {
         format!("{} of {kinds} kinds", candidate.kept_kinds)
     };
     format!(
-        "kept: what of F1 is more than accident with the chip's errors, mean over {mean}, within {}; least: of the\nkind that keeps least; exact: without the errors, within the range of registers (exec --domain exact --clip on);\nas much: the change of threshold that costs as much; frames/s: at least, with the cheapest readout that loses no\nevent of this scene. The knee is the shortest program on the front that keeps at least {:.0} % of the most kept.\n",
+        "kept: the part of F1 above chance with the chip's errors, mean over {mean}, within {}; least: of the\nkind that keeps least; exact: without the errors, within the range of registers (exec --domain exact --clip on);\nas much: the change of threshold that costs as much; frames/s: at least, with the cheapest readout that loses no\nevent of this scene. The knee is the shortest program on the front that keeps at least {:.0} % of the most kept.\n",
         Short(found.window_us),
         100.0 * NEARLY
     )

@@ -372,7 +372,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
         };
     }
     text + &tuned_table(answer)
-        + "kept: what of F1 is more than accident, 1 at most. threshold: the rise of the float kernel's threshold\nthat costs as much. events: for each of the float kernel's. us: on the array, without readout. registers: the most\nof the filter that are live at a time; `asm` lists all that the program uses.\n"
+        + "kept: the part of F1 above chance, 1 at most. threshold: the rise of the float kernel's threshold\nthat costs as much. events: for each of the float kernel's. us: on the array, without readout. registers: the most\nof the filter that are live at a time; `asm` lists all that the program uses.\n"
 }
 
 /// Gain and shape apart: against a float kernel that says as many events.

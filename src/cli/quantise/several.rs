@@ -216,7 +216,7 @@ fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> Str
     if let Some(score) = fps {
         let _ = writeln!(
             text,
-            "\nmatched within {} at {} frames/s. kept: what of F1 is more than accident. us: on the array; frames/s with all slots of the\nreadout, computed: without it. carries: kinds like these that the chip has registers and words for,\n{KERNELS} at most in one program.",
+            "\nmatched within {} at {} frames/s. kept: the part of F1 above chance. us: on the array; frames/s with all slots of the\nreadout, computed: without it. carries: kinds like these that the chip has registers and words for,\n{KERNELS} at most in one program.",
             crate::compare::metric::Short(score.window_us),
             frame_rate(score.fps)
         );

@@ -97,7 +97,7 @@ impl<'d> Lowering<'d> {
         let chip = self.device.name();
         let instead = match forms {
             Some(forms) => format!("here it is written {}", written(forms)),
-            None => format!("write it with what {chip} has"),
+            None => format!("use the statements that {chip} has"),
         };
         let help = format!("{instead}; or run it on another chip (--chip)");
         Fault::error(place, why, format!("not on {chip}")).help(help)
@@ -167,14 +167,14 @@ impl<'d> Lowering<'d> {
         Fault::error(
             place,
             format!("unknown name `{name}`"),
-            "no register, direction or constant",
+            "not a register, direction or constant",
         )
         .help(
             near.or_else(|| self.on_another_chip(name))
                 .unwrap_or_else(|| {
                     let registers = self.device.registers();
                     format!(
-                        "registers are {} and {}; constants are stated as `const {name} = …;`",
+                        "registers are {} and {}; constants are declared as `const {name} = …;`",
                         registers.analog.join(" "),
                         registers.digital.join(" ")
                     )

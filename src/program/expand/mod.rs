@@ -343,7 +343,7 @@ impl<'d> Lowering<'d> {
                 let Some(word) = built else {
                     return Err(Fault::error(
                         sink.place,
-                        format!("`{}` cannot be made from these arguments", statement.name),
+                        format!("`{}` cannot be built from these arguments", statement.name),
                         "here",
                     )
                     .help(format!("it is written {form}")));
@@ -475,8 +475,8 @@ impl<'d> Lowering<'d> {
         self.full = true;
         Err(Fault::error(
             sink.place,
-            format!("the program becomes more than {EXPANDED_STEPS} steps: words, host operations and calls of macros"),
-            "here there is no room left",
+            format!("the program expands to more than {EXPANDED_STEPS} steps: words, host operations and macro calls"),
+            "the limit is reached here",
         )
         .help("use `repeat N { … }`, whose body counts once"))
     }
@@ -535,10 +535,10 @@ fn within(steps: u64) -> Option<u64> {
 fn runs_too_long(what: &str, place: Place) -> Fault {
     Fault::error(
         place,
-        format!("{what} runs more than {FRAME_STEPS} steps: words, host operations and turns of `repeat`"),
-        "this would take very long",
+        format!("{what} runs more than {FRAME_STEPS} steps: words, host operations and iterations of `repeat`"),
+        "this would run too long",
     )
-    .help("repeat less often: repeats inside each other multiply")
+    .help("repeat less often: nested repeats multiply")
 }
 
 /// The cell that a value names.

@@ -102,7 +102,7 @@ impl<'a> Order<'a> {
                 format!("`{of}` reads its {name} after {why}"),
                 "this statement",
             )
-            .help("the chip would give what the sequence of words gives; use another register, or copy it first"),
+            .help("use another register, or copy it first: the chip would give the result of the sequence of words"),
         )
     }
 }

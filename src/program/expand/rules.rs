@@ -167,7 +167,7 @@ impl<'d> Lowering<'d> {
                 let message = format!("`{}` uses {what}", statement.name);
                 let label = format!("{name} is its {} here", parameter.name);
                 warnings.push(Fault::warning(statement.place, message, label).help(
-                    "the chip would give what the sequence of words gives; use another register",
+                    "use another register: the chip would give the result of the sequence of words",
                 ));
             };
             for used in values.iter().filter_map(cell) {

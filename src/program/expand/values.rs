@@ -54,7 +54,7 @@ impl Lowering<'_> {
                 .push(Fault::error(place, message, "here").help("give the constant another name"));
         }
         if self.constants.contains_key(name) {
-            let message = format!("`{name}` is stated twice");
+            let message = format!("`{name}` is declared twice");
             self.faults
                 .push(Fault::error(place, message, "again here").help("keep one of the two"));
             return;
@@ -77,14 +77,15 @@ impl Lowering<'_> {
             self.device.value_of(name),
             self.constants.contains_key(name),
         ) {
-            let message = format!("`{name}` is a name of the chip, no constant to set to {value}");
+            let message =
+                format!("`{name}` is a name of the chip, not a constant to set to {value}");
             (message, self.in_place_of(name, value))
         } else if !self.constants.contains_key(name) {
             let known = || self.constants.keys().map(String::as_str);
             let help = suggestion(name, known()).unwrap_or_else(|| {
                 let all: Vec<&str> = known().collect();
                 if all.is_empty() {
-                    "it states none; write `const name = value;`".to_owned()
+                    "the program declares none; write `const name = value;`".to_owned()
                 } else {
                     format!("it states {}", all.join(", "))
                 }
@@ -129,7 +130,7 @@ impl Lowering<'_> {
             }
             Some(Value::Bit(Bit::Flag)) => format!("{file}, of 0 and 1"),
             Some(Value::Source(Source::Pix)) => {
-                "the photodiodes take light: `exec --image SCENE`".to_owned()
+                "the photodiodes get light from `exec --image SCENE`".to_owned()
             }
             Some(Value::Source(Source::In)) => {
                 match self.takes("scamp5_in", &[value.to_string()]) {
@@ -137,9 +138,7 @@ impl Lowering<'_> {
                     None => "the host drives it, with -128 to 127 LSB".to_owned(),
                 }
             }
-            _ => {
-                "it holds no number: give the constant of the program that is to be set".to_owned()
-            }
+            _ => "it is not a number: name a constant of the program".to_owned(),
         }
     }
 
@@ -266,7 +265,7 @@ impl Lowering<'_> {
             }
             _ => Err(Fault::error(
                 expression.place,
-                format!("`{base}[…]` means nothing"),
+                format!("`{base}[…]` is not defined"),
                 "here",
             )
             .help("`X[dir]` is a neighbour's cell, `R[dir]` the register that enables it")),

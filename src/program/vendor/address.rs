@@ -12,9 +12,9 @@ use crate::{
 /// Addresses of a `uint8_t`, as far as any array of the vendor goes.
 const SIDE: f64 = 256.0;
 
-const LABEL: &str = "a parameter of 8 bits, without a sign";
+const LABEL: &str = "an unsigned 8-bit parameter";
 
-const SIGNED: &str = "a parameter of 8 bits, with a sign";
+const SIGNED: &str = "a signed 8-bit parameter";
 
 /// The first parameter of those that are a `uint8_t`: rows and columns, and their masks.
 fn first(name: &str, narrow: bool) -> Option<usize> {
@@ -63,9 +63,10 @@ pub(super) fn with_its_mask(
         return false;
     }
     let Some(selected) = machine.selected[at].clone() else {
-        let message = format!("`{name}` masks the {what} that was selected last, and none was");
+        let message =
+            format!("`{name}` masks the {what} that was selected last, but none was selected");
         let help = format!(
-            "select it before, by `{line}({what});`, or both at once by `scamp5_select_pattern(row, column, row_mask, column_mask);`"
+            "select it first, with `{line}({what});`, or both at once with `scamp5_select_pattern(row, column, row_mask, column_mask);`"
         );
         machine.error(place, message, "this call", &help);
         return false;
@@ -169,19 +170,19 @@ fn tell(
     if told.any(|it| it.place.start == place.start && it.label == label) {
         return;
     }
-    let mut message = format!("C++ makes {made} of {number}");
+    let mut message = format!("C++ passes {made} instead of {number}");
     let mut help = format!("write {made}");
     if let Some(other) = turned {
         let _ = write!(
             message,
-            ", and the rectangle's end, {}, lies before its start, {}",
+            ": the rectangle ends at {}, before its start at {}",
             made.min(other),
             made.max(other)
         );
         help = if name == "scamp5_draw_rect" {
-            "rows and columns go from 0 to 255; what lies between the two is drawn".to_owned()
+            "rows and columns go from 0 to 255; the pixels between the two are drawn".to_owned()
         } else {
-            "rows and columns go from 0 to 255; here no pixel lies in this rectangle, and what the chip makes of it the vendor does not say".to_owned()
+            "rows and columns go from 0 to 255; this rectangle is empty here; the vendor does not document what the chip does with it".to_owned()
         };
     }
     machine.fault(Fault::warning(place, message, label).help(help));

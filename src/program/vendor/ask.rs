@@ -40,7 +40,7 @@ impl Machine<'_> {
     /// Asks something of the array.
     pub(super) fn ask(&mut self, name: &str, arguments: Vec<Term>, place: Place) {
         if let Some(why) = self.maybe.clone() {
-            let message = format!("whether `{name}` runs, {why} decides");
+            let message = format!("whether `{name}` runs depends on {why}");
             self.unknown(place, message, &why, None);
         }
         if !self.asks(1, place) {
@@ -71,8 +71,8 @@ impl Machine<'_> {
             self.full = true;
             self.error(
                 place,
-                format!("the program becomes more than {ASKED} statements"),
-                "here there is no room left",
+                format!("the program expands to more than {ASKED} statements"),
+                "the limit is reached here",
                 "loop less often, or give loops outside of kernels the same body in every iteration",
             );
         }
@@ -120,14 +120,12 @@ impl Machine<'_> {
         let name = of.and_then(|it| look::unknown(self, it));
         let way = way(why, name.as_deref());
         let (label, help) = match (why, &self.companion) {
-            (Why::Never(_) | Why::Started(_), _) => {
-                ("not known", format!("{way}, or take this out"))
-            }
-            (Why::Run(_), Some(_)) => ("not known here", format!("{way}, or take this out")),
+            (Why::Never(_) | Why::Started(_), _) => ("not known", format!("{way}, or remove this")),
+            (Why::Run(_), Some(_)) => ("not known here", format!("{way}, or remove this")),
             (Why::Run(_), None) => (
-                "only the run knows",
+                "known only at run time",
                 format!(
-                    "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: {way}, or take this out"
+                    "`exec` runs it, with the host beside the array. Here every frame must have the same instruction words: {way}, or remove this"
                 ),
             ),
         };
@@ -138,15 +136,15 @@ impl Machine<'_> {
     /// without it.
     pub(super) fn unread(&mut self, place: Place, what: &str, why: &Why) {
         if self.companion.is_some() {
-            let message = format!("{what}, {why} decides: it is left out");
+            let message = format!("{what} depends on {why}: it is left out");
             let fault = Fault::warning(place, message, "not known here");
             self.fault(fault.help(way(why, None)));
             return;
         }
-        let message = format!("{what}, {why} decides: here it is left out");
+        let message = format!("{what} depends on {why}: here it is left out");
         self.undecided(match why {
             Why::Started(_) => Fault::warning(place, message, "not known").help(way(why, None)),
-            _ => Fault::warning(place, message, "only the run knows")
+            _ => Fault::warning(place, message, "known only at run time")
                 .help("`exec` runs it, with the host beside the array"),
         });
     }
@@ -158,7 +156,7 @@ impl Machine<'_> {
             self.unread(place, what, why);
             return;
         }
-        let message = format!("{what}, {why} decides: it is shown");
+        let message = format!("{what} depends on {why}: it is shown");
         let fault = Fault::warning(place, message, "not known here");
         self.fault(fault.help(way(why, None)));
     }
@@ -172,9 +170,9 @@ impl Machine<'_> {
         }
         if self.frames.len() == FRAMES && !self.full {
             self.full = true;
-            let message = format!("more than {FRAMES} frames, one after the other");
-            self.undecided(Fault::error(place, message, "here another one").help(
-                "`exec` runs it, with the host beside the array. Here a program is the same in every frame: its loop is `while (1)`",
+            let message = format!("more than {FRAMES} frames in sequence");
+            self.undecided(Fault::error(place, message, "one more begins here").help(
+                "`exec` runs it, with the host beside the array. Here every frame must be the same: write one frame in a `while (1)` loop",
             ));
         }
         let items = std::mem::take(&mut self.items);
@@ -188,7 +186,7 @@ fn way(why: &Why, name: Option<&str>) -> String {
     let name = match (name, why) {
         (Some(name), _) => name,
         (None, Why::Started(name)) => &**name,
-        (None, _) => return "write it with what docs/vendor-code.md lists".to_owned(),
+        (None, _) => return "use only the C++ that docs/vendor-code.md lists".to_owned(),
     };
     format!("give the value with `--const {}=VALUE`", last(name))
 }

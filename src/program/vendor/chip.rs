@@ -159,7 +159,7 @@ fn another_chip(machine: &mut Machine<'_>, name: &str, place: Place) {
 
 /// What the host takes are whole numbers.
 fn in_whole(machine: &mut Machine<'_>, value: &mut Value, at: Place) {
-    const MAKES: &str = "C++ makes the whole number";
+    const MAKES: &str = "C++ passes the integer";
     let (Value::Real(_) | Value::Single(_), Some(real)) = (&*value, value.decimal()) else {
         return;
     };
@@ -167,10 +167,9 @@ fn in_whole(machine: &mut Machine<'_>, value: &mut Value, at: Place) {
     let mut told = machine.faults.iter();
     let told = told.any(|it| it.place.start == at.start && it.message.starts_with(MAKES));
     if real.fract() != 0.0 && !told {
-        let message = format!("{MAKES} {} of {real}", real.trunc());
+        let message = format!("{MAKES} {} instead of {real}", real.trunc());
         machine.fault(
-            Fault::warning(at, message, "a parameter that is a whole number")
-                .help("write a whole number"),
+            Fault::warning(at, message, "an integer parameter").help("write a whole number"),
         );
     }
     *value = Value::Whole(real as i64);
@@ -213,7 +212,7 @@ fn as_many_slots_as_there_are(machine: &mut Machine<'_>, name: &str, given: &mut
     } else {
         format!("write {most}")
     };
-    let message = format!("`{name}` reads {most} events at most, and is asked for {number}");
+    let message = format!("`{name}` reads at most {most} events, but {number} are asked for");
     machine.fault(
         Fault::warning(*place, message, label).help(format!("{most} slots are read here: {way}")),
     );
@@ -329,7 +328,7 @@ pub(super) fn neighbours(
             other => {
                 machine.error(
                     place,
-                    format!("`{other}` is no direction"),
+                    format!("`{other}` is not a direction"),
                     "this call",
                     "directions are north, east, south, west and alldir",
                 );

@@ -62,8 +62,8 @@ impl Machine<'_> {
         if self.files.name(before) == self.files.name(place) {
             return;
         }
-        let message = format!("`{name}` is defined in {} as well", self.line(before));
-        let help = "files are read as one here: give one of the two another name";
+        let message = format!("`{name}` is also defined in {}", self.line(before));
+        let help = "all files form one translation unit here: rename one of the two";
         self.error(place, message, "defined again", help);
     }
 
@@ -85,11 +85,11 @@ impl Machine<'_> {
                 self.error(
                     function.place,
                     format!(
-                        "`{}` runs words of the array where no call of it is written",
+                        "`{}` runs instructions of the array without an explicit call",
                         function.name.trim_start_matches('~')
                     ),
                     "a constructor, a destructor or an operator",
-                    "make it a function outside of the class, and call that",
+                    "make it a function outside the class, and call that",
                 );
             }
         }
@@ -166,7 +166,8 @@ impl Machine<'_> {
                 Reach::Value(Value::Unknown(why))
                     if !it.constant && matches!(value.node, ExprNode::Choose(..)) =>
                 {
-                    let message = format!("which variable `{}` is, {why} decides", it.name);
+                    let message =
+                        format!("which variable `{}` refers to depends on {why}", it.name);
                     self.unknown(value.place, message, &why, None);
                     Some(Value::Unknown(why))
                 }
@@ -342,7 +343,8 @@ impl Machine<'_> {
     /// Refuses destructors that change what is not their object's, or that are seen outside:
     /// destructors are not run.
     pub(super) fn refuse_ends(&mut self, members: &[Rc<Function>]) {
-        const HELP: &str = "do it in a function of the class, and call that where the object ends";
+        const HELP: &str =
+            "do it in a member function, and call that at the end of the object's lifetime";
         for function in members {
             let Some(class) = function.name.strip_prefix('~') else {
                 continue;
@@ -355,7 +357,7 @@ impl Machine<'_> {
                 continue;
             };
             let message =
-                format!("the destructor of `{class}` {does}, and destructors are not run");
+                format!("the destructor of `{class}` {does}, but destructors are not run");
             self.error(function.place, message, "this destructor", HELP);
         }
     }
@@ -384,7 +386,7 @@ impl Machine<'_> {
             None => return None,
         };
         Some(Why::never(&format!(
-            "`{}`, {what}, which is not supported,",
+            "`{}`, {what}, which is not supported",
             it.name
         )))
     }
@@ -402,9 +404,9 @@ impl Machine<'_> {
         self.made.clone().unwrap_or_else(|| {
             self.error(
                 place,
-                format!("which {what} this is: each type has its own"),
+                format!("it is not known which {what} this is: each type has its own"),
                 "`static` in a template",
-                "the type that the template is given here is not known: give the function a type, or make what is `static` in it a variable of the file",
+                "the template argument is not known here: use a function without a template, or make the `static` variable a global variable",
             );
             String::new()
         })
@@ -449,8 +451,8 @@ impl Machine<'_> {
                 let name = &layout.name;
                 self.error(
                     it.place,
-                    format!("what `auto` is here: an object of `{name}`, or of its base"),
-                    "the type of the pointer says it, which is not supported",
+                    format!("`auto` may be an object of `{name}` or of its base here"),
+                    "it depends on the pointer's type, which is not supported",
                     "write the class instead of `auto`",
                 );
                 value
@@ -540,7 +542,7 @@ impl Machine<'_> {
                 it.place,
                 format!("`{}`: {message}", it.name),
                 "this declaration",
-                "give as many values as it holds, or fewer",
+                "give no more values than it holds",
             );
             Value::Whole(0)
         });
@@ -552,21 +554,23 @@ impl Machine<'_> {
         if let Some(what) = it.unread {
             let first = it.stops.map(|at| self.line(at));
             let first = first.map_or_else(String::new, |it| format!(" (the first in {it})"));
-            let what = format!("{what} of {}{first}", self.line(place));
+            let what = format!("{what} in {}{first}", self.line(place));
             self.unread.insert(it.name.clone(), what);
             self.refuse_ends(&it.functions);
             return;
         }
         if let Some(member) = it.members.iter().find(|it| look::acts(self, it)) {
             let (name, line) = (&member.name, self.line(place));
-            let what = format!("a class whose `{name}` begins with what changes others, of {line}");
+            let what = format!(
+                "a class whose member `{name}` has an initialiser with side effects, in {line}"
+            );
             self.unread.insert(it.name.clone(), what);
             self.layouts.remove(&it.name);
             return;
         }
         let base = { it.base.as_ref() }.and_then(|it| self.layouts.get(it).cloned());
         if let Some(what) = base.as_ref().and_then(|base| hides(it, base)) {
-            let what = format!("{what}, of {}", self.line(place));
+            let what = format!("{what}, in {}", self.line(place));
             self.unread.insert(it.name.clone(), what);
             self.layouts.remove(&it.name);
             return;
@@ -662,7 +666,7 @@ impl Machine<'_> {
                     .whole()
                     .map_or_else(|| value.describe(), |it| it.to_string());
                 let message = format!("an array of {count} elements");
-                let help = "give it a length from 0 on";
+                let help = "give it a length of 0 or more";
                 self.error(length.place, message, "this length", help);
             }
             lengths.push(whole);

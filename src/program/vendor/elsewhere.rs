@@ -106,25 +106,23 @@ impl Machine<'_> {
         let known = self.layouts.keys().chain(self.enumerations.keys());
         let near = suggestion(of, known.map(|name| last(name)));
         if let (Some(near), true) = (near, self.missing.is_empty()) {
-            let message = format!("no file here defines a type `{of}`");
+            let message = format!("the type `{of}` is not defined in any file here");
             self.error(it.place, message, "this declaration", &near);
         }
     }
 
     /// Tells of an instruction where a type stands.
     fn no_type(&mut self, of: &str, it: &Declared) {
-        let message = format!("`{of}` is a statement of the chip, and no type");
-        let help = format!("write `{of}(…);`, and what comes behind as a statement of its own");
+        let message = format!("`{of}` is a statement of the chip, not a type");
+        let help = format!("write `{of}(…);`, and what follows as a separate statement");
         self.error(it.place, message, "this would declare a variable", &help);
     }
 
     /// Tells of an instruction where the name of an object stands whose type nothing defines.
     fn no_name(&mut self, it: &Declared) {
         let (name, of) = (&it.name, last(&it.of));
-        let message = format!("`{name}` is a statement of the chip, and `{of}` is no type here");
-        let help = format!(
-            "write `{name}(…);` as a statement of its own, or give the variable another name"
-        );
+        let message = format!("`{name}` is a statement of the chip, and `{of}` is not a type here");
+        let help = format!("write `{name}(…);` as a separate statement, or rename the variable");
         self.error(it.place, message, "this would declare a variable", &help);
     }
 
@@ -136,7 +134,10 @@ impl Machine<'_> {
         }
         let inside = self.scopes.len() > 1 && !self.device.callables(&it.name).is_empty();
         if inside || !self.device.callables(of).is_empty() {
-            let message = format!("`{of}` is no type, and `{}` is declared by it", it.name);
+            let message = format!(
+                "`{of}` is not a type, but `{}` is declared with it",
+                it.name
+            );
             let help = "a statement is `name(argument, argument);`, and ends before the next one";
             self.error(it.place, message, "this would declare a function", help);
         }
@@ -157,16 +158,16 @@ impl Machine<'_> {
                 let called = !self.device.callables(name).is_empty()
                     || self.functions.contains_key(last(name));
                 if called {
-                    let help = format!("write `{name}(…);` to call it, or take it out");
+                    let help = format!("write `{name}(…);` to call it, or remove it");
                     self.fault(fault(&help));
                 } else if self.device.value_of(name).is_some() {
-                    self.fault(fault("write what is to be done with it, or take it out"));
+                    self.fault(fault("write what to do with it, or remove it"));
                 } else if &**name != "this" {
                     self.unheard(name, it.place);
                 }
             }
             (ExprNode::Binary(operator, ..), Value::Symbols(_)) if *operator != "," => {
-                self.fault(fault("write what is to become of it: `add(C, A, B);`"));
+                self.fault(fault("write what to do with it, such as `add(C, A, B);`"));
             }
             _ => {}
         }

@@ -16,7 +16,7 @@ pub(super) fn made(
         let it = shape::object(it, entry)?;
         let Value::Record(..) = it else {
             return Err(format!(
-                "{} is no element of `{}`",
+                "{} is not an element of `{}`",
                 it.describe(),
                 layout.name
             ));

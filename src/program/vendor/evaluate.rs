@@ -169,9 +169,9 @@ impl Machine<'_> {
         self.error(
             place,
             format!("`{name}` is declared in several namespaces"),
-            "which of them is not known",
+            "it is not known which one is meant",
             &format!(
-                "write the namespace before it: `space::{name}`, or `::{name}` for that of the file"
+                "write the namespace before it: `space::{name}`, or `::{name}` for the global one"
             ),
         );
     }
@@ -224,8 +224,8 @@ impl Machine<'_> {
 
     pub(super) fn or_fault(&mut self, value: Result<Value, String>, place: Place) -> Value {
         value.unwrap_or_else(|message| {
-            let help = if message.contains("no text goes on") {
-                "a text ends behind the 0 at its end: go no further than `strlen` says"
+            let help = if message.contains("past the end of the string") {
+                "a string ends with its terminating 0: go no further than `strlen` returns"
             } else {
                 "arithmetic is for numbers; registers are added by `add(y, x0, x1);`"
             };
@@ -495,17 +495,17 @@ impl Machine<'_> {
         };
         let help = match self.device.value_of(name) {
             Some(Known::Source(_)) => format!(
-                "ask each pixel by `where({name}); … all();`, or read one number: `scamp5_global_sum_fast({name})`"
+                "test each pixel with `where({name}); … all();`, or read one number: `scamp5_global_sum_fast({name})`"
             ),
             Some(Known::Bit(Bit::Register(_))) => format!(
-                "ask each pixel by `WHERE({name}); … ALL();`, or read one number: `scamp5_global_or({name})`"
+                "test each pixel with `WHERE({name}); … ALL();`, or read one number: `scamp5_global_or({name})`"
             ),
             Some(Known::Bit(_)) => format!(
-                "`where` and `WHERE` set what follows in some pixels; read one number by `MOV(R5, {name}); … scamp5_global_or(R5)`"
+                "`where` and `WHERE` select pixels for what follows; read one number with `MOV(R5, {name}); … scamp5_global_or(R5)`"
             ),
             _ => return false,
         };
-        let message = format!("`{name}` has another value in every pixel");
+        let message = format!("`{name}` has one value per pixel");
         self.error(place, message, "one number is needed here", &help);
         true
     }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::config::{Fault, Place};
 
-const HELP: &str = "a value is a name, a number, a call or what they make together";
+const HELP: &str = "an expression is a name, a number, a call, or a combination of them";
 
 /// Operators, from those that bind least.
 pub(super) const LEVELS: [&[&str]; 10] = [
@@ -48,7 +48,7 @@ fn characters(mut all: Vec<u8>, place: Place) -> Result<String, Fault> {
     text.ok_or_else(|| {
         Fault::error(
             place,
-            "a text with a 0 inside, or with bytes that are no UTF-8",
+            "a string with a 0 inside, or with bytes that are not UTF-8",
             "this text",
         )
         .help("give an array of numbers: {0xff, 0x80}")
@@ -406,8 +406,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         _ => {}
     }
     if it.variadic.contains(&name) && (it.sees("(") || it.sees("<")) {
-        let message =
-            format!("`{name}` is a template of any number of types, which is not supported");
+        let message = format!("`{name}` is a variadic template, which is not supported");
         let help = "write a function for each number of arguments that it is called with";
         return Err(Fault::error(place, message, "this call").help(help));
     }
@@ -591,7 +590,7 @@ fn size_of(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
 
 /// `new type`, `new type[length]`, `new type(values)`.
 fn allocation(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
-    const SHAPE: &str = "memory is asked for by `new type[length]`";
+    const SHAPE: &str = "memory is allocated with `new type[length]`";
     let Some(of) = it.read_type() else {
         return Err(unexpected(it.peek(0), it.place(), "a type", SHAPE));
     };

@@ -18,11 +18,11 @@ use crate::{
 };
 
 /// Where the loop over the frames stands inside another one that begins again.
-const AGAIN: &str = "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: put what is done once before one loop that has no end";
+const AGAIN: &str = "`exec` runs it, with the host beside the array. Here every frame must have the same instruction words: put what is done once before one infinite loop";
 
 /// What becomes of frames before the loop.
 const EARLIER: &str =
-    "what follows comes a frame or more earlier: `exec --host` runs each in a frame of its own";
+    "what follows happens a frame or more earlier here: `exec --host` runs each in its own frame";
 
 /// What was asked up to the end of the first iteration of a loop over the frames.
 struct Begun {
@@ -94,8 +94,8 @@ impl Machine<'_> {
         if !look::reads(self, body) && !look::shows(self, body) {
             self.error(
                 condition.place,
-                format!("this loop waits, and nothing in it changes `{named}`"),
-                "it has no end",
+                format!("this loop waits, but nothing in it changes `{named}`"),
+                "it never ends",
                 &format!("`--const {named}=VALUE` ends it"),
             );
         }
@@ -164,7 +164,7 @@ impl Machine<'_> {
             self.undecided(
                 Fault::error(
                     body.place,
-                    "a loop over the frames begins in a later iteration of this loop",
+                    "the frame loop begins in a later iteration of this loop",
                     "this loop",
                 )
                 .help(AGAIN),
@@ -188,7 +188,7 @@ impl Machine<'_> {
                 self.undecided(
                     Fault::error(
                         body.place,
-                        "this loop begins again where the loop over the frames inside it ends",
+                        "this loop starts again when the frame loop inside it ends",
                         "this loop",
                     )
                     .help(AGAIN),
@@ -246,7 +246,7 @@ impl Machine<'_> {
     /// The name of a variable that changes, as a reason.
     fn named(&self, slot: usize) -> Option<Why> {
         let name = self.word(slot)?;
-        Some(format!("`{name}`, which changes from frame to frame,").into())
+        Some(format!("`{name}`, which changes from frame to frame").into())
     }
 
     fn snapshot(&self) -> Vec<Value> {
@@ -286,7 +286,7 @@ impl Machine<'_> {
                     format!("{} frames in one iteration of this loop", steady.len() - 1),
                     "this loop",
                 )
-                .help("a program does the same in every frame: wait for one frame in an iteration"),
+                .help("every frame must be the same: wait for one frame per iteration"),
             );
         }
         let own = !early.is_empty();
@@ -347,10 +347,10 @@ impl Machine<'_> {
         self.undecided(
             Fault::error(
                 second,
-                format!("{count} frames are captured before the steady loop, and a program has one of its own there, `init`"),
+                format!("{count} frames are captured before the frame loop, but a program has room for only one there, `init`"),
                 format!("the first is captured in {line}"),
             )
-            .help("capture once before the loop; or calibrate with a program of its own, keep what it leaves with `exec --dump`, and give it with `--set REGISTER=FILE.npy`"),
+            .help("capture once before the loop; or calibrate with a separate program, save its registers with `exec --dump`, and load them with `--set REGISTER=FILE.npy`"),
         );
     }
 
@@ -367,11 +367,11 @@ impl Machine<'_> {
             |fault: &&Fault| fault.label == RECORDING && self.files.own(fault.place).is(it.place);
         let inside = self.faults.iter().find(told)?;
         let message = format!(
-            "`{}` is done in the first turn of this loop alone, while the kernel is recorded, and a frame is captured before the loop, too",
+            "`{}` runs only in the first iteration of this loop, while the kernel is recorded, and a frame is captured before the loop, too",
             statement.name
         );
-        let fault = Fault::error(inside.place, message, "later frames do without it");
-        Some(fault.help("put it before `scamp5_kernel_begin();`: every frame does it then"))
+        let fault = Fault::error(inside.place, message, "later frames lack it");
+        Some(fault.help("put it before `scamp5_kernel_begin();`, so that every frame runs it"))
     }
 
     /// Warns of what is done once and takes several frames: here they are one.
@@ -387,7 +387,9 @@ impl Machine<'_> {
             self.fault(
                 Fault::warning(
                     last.map_or(place, |it| place_of(it)),
-                    format!("{count} frames before the steady loop are one here, `init`"),
+                    format!(
+                        "{count} frames before the frame loop are merged into one here, `init`"
+                    ),
                     "the last of them",
                 )
                 .help(EARLIER),
@@ -417,9 +419,9 @@ impl Machine<'_> {
                         "this program ends after {}",
                         crate::unit::counted(frames.len(), "frame")
                     ),
-                    "every frame does this",
+                    "it is repeated for every frame",
                 )
-                .help("here it goes on: `exec --frames` says how often"),
+                .help("`exec --frames` sets how often it runs"),
             );
             return first.clone();
         }
@@ -429,10 +431,10 @@ impl Machine<'_> {
             self.undecided(
                 Fault::error(
                     second.map_or_else(Place::default, |it| place_of(it)),
-                    format!("{} frames that do not do the same", 1 + done),
+                    format!("{} frames that differ", 1 + done),
                     "the second one",
                 )
-                .help("a program does the same in every frame: put what is done once before the first wait, and the rest into `while (1) { vs_frame_loop_control(); … }`"),
+                .help("every frame must be the same: put what is done once before the first wait, and the rest into `while (1) { vs_frame_loop_control(); … }`"),
             );
         }
         frames.concat()

@@ -118,7 +118,7 @@ impl Machine<'_> {
         let decides = condition.map(look::statement);
         let each = [Some(body), step.as_ref(), decides.as_ref()];
         if each.iter().flatten().any(|it| look::changes(self, it)) {
-            let message = format!("how often this loop runs, {why} decides");
+            let message = format!("how often this loop runs depends on {why}");
             self.unknown(it.place, message, why, condition);
         } else if each.iter().flatten().any(|it| look::reads(self, it)) {
             self.unread(it.place, "how often this is read out", why);

@@ -328,12 +328,12 @@ impl<'a> Machine<'a> {
                 name => name,
             };
             let help = format!(
-                "loops need bounds that are known before the run, and copies of large arrays count as many statements; a loop that waits for somebody at the GUI ends by `--const {slider}=VALUE`"
+                "loop bounds must be known before the run, and a copy of a large array counts as many statements; `--const {slider}=VALUE` ends a loop that waits for the GUI"
             );
             self.error(
                 place,
                 format!("more than {VENDOR_WORK} statements {before}"),
-                "here there is no end in sight",
+                "the limit is reached here",
                 &help,
             );
         }
@@ -350,9 +350,9 @@ impl<'a> Machine<'a> {
                 self.full = true;
                 self.error(
                     place,
-                    format!("more than {LEVELS} statements and values inside each other, in calls"),
+                    format!("more than {LEVELS} nested statements and expressions, calls included"),
                     "too deep",
-                    "does a function call itself? write a loop, or take it apart",
+                    "if a function calls itself, write a loop instead; otherwise split it up",
                 );
             }
             return None;

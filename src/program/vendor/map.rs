@@ -36,7 +36,7 @@ impl Machine<'_> {
             return Err(why.clone());
         }
         let Some(key) = checked(key) else {
-            return Err(Why::never("a key that is no number and no text"));
+            return Err(Why::never("a key that is neither a number nor a string"));
         };
         let all = self.entries(*slot, path).map_or(&[][..], |it| it.1);
         self.passes(all.len());
@@ -209,9 +209,9 @@ impl Machine<'_> {
                 };
                 self.error(
                     place,
-                    format!("`at` of {key}, which is no key of this map"),
+                    format!("`at` of {key}, which is not a key of this map"),
                     "this call",
-                    "ask by `count` before, or take `map[key]`, which makes the element",
+                    "check with `count` first, or use `map[key]`, which inserts the element",
                 );
                 Some(Value::Whole(0))
             }
@@ -295,9 +295,9 @@ impl Machine<'_> {
             let Some(next) = self.beside(&location, *at, by) else {
                 self.error(
                     place,
-                    "an iterator goes beyond its map, or its element was erased".to_owned(),
+                    "an iterator is past the end of its map, or its element was erased".to_owned(),
                     "this step",
-                    "stop at `end()`, and go on with what `erase` gives back",
+                    "stop at `end()`, and continue with the iterator that `erase` returns",
                 );
                 return before.clone();
             };
@@ -328,10 +328,10 @@ impl Machine<'_> {
             self.fault(
                 Fault::warning(
                     place,
-                    "the order of an `unordered_map` is not stated by the language",
-                    "here it is that of the keys",
+                    "the order of an `unordered_map` is unspecified in C++",
+                    "here it is the order of the keys",
                 )
-                .help("take a `map` where the order matters"),
+                .help("use a `map` if the order matters"),
             );
         }
         places

@@ -39,11 +39,11 @@ impl Machine<'_> {
             self.error(
                 place,
                 format!(
-                    "`{name}` writes {}, and there is room for {room}",
+                    "`{name}` writes {}, but the buffer has room for {room}",
                     crate::unit::counted(wants, "number")
                 ),
                 "this call",
-                "give it a larger array, or let it read less",
+                "give it a larger array, or read less",
             );
             return;
         }
@@ -60,7 +60,8 @@ impl Machine<'_> {
             Ok(seen) => seen,
             Err(value) => return value,
         };
-        let why = Why::Never(format!("`{name}`, which is seen as numbers of another type,").into());
+        let why =
+            Why::Never(format!("`{name}`, which is read through a pointer to another type").into());
         self.forget(slot, &[], &why);
         self.fixed.insert(slot);
         Value::Unknown(why)
@@ -70,7 +71,7 @@ impl Machine<'_> {
     /// and a pointer to the first; what it is where there is no question of types.
     fn seen(&mut self, kind: Kind, of: &Expr) -> Result<(Slot, Word, Kind, Value), Value> {
         let Value::Pointer(slot, path, name) = self.value(of) else {
-            let why = Why::never("memory that is seen as numbers of another type");
+            let why = Why::never("memory that is read through a pointer to another type");
             return Err(Value::Unknown(why));
         };
         let mut first = Vec::new();
@@ -110,14 +111,19 @@ impl Machine<'_> {
         }
         let (writes, write) = match kind {
             Kind::Bits(8, _) => ("bytes", "`uint8_t`"),
-            _ => ("numbers of the type of this cast", "that type"),
+            _ => ("numbers of the type in this cast", "that type"),
         };
         let message =
-            format!("`{name}` writes {writes}, and `{array}` holds numbers of another size");
+            format!("`{name}` writes {writes}, but the elements of `{array}` have another size");
         let help = format!(
-            "declare `{array}` as an array of {write}, and put larger numbers together from its elements"
+            "declare `{array}` as an array of {write}, and combine its elements into larger numbers"
         );
-        self.error(it.place, message, "seen as numbers of another type", &help);
+        self.error(
+            it.place,
+            message,
+            "cast to a pointer to another type",
+            &help,
+        );
         None
     }
 

@@ -294,7 +294,7 @@ fn laid_out(machine: &mut Machine<'_>, broken: bool) -> Vec<Item> {
     if all.is_empty() && machine.faults.is_empty() && machine.undecided.is_empty() && !broken {
         machine.error(
             place,
-            "nothing here asks anything of the array".to_owned(),
+            "nothing in this file uses the array".to_owned(),
             "this file",
             "a program has statements, or a `main` with a loop over the frames",
         );
@@ -360,8 +360,8 @@ fn only_function(machine: &mut Machine<'_>) {
     let names: Vec<String> = roots.iter().map(|it| format!("`{}`", it.name)).collect();
     machine.error(
         first.place,
-        format!("no `main` says which of {} runs", names.join(", ")),
+        format!("there is no `main` to say which of {} runs", names.join(", ")),
         "the first of them",
-        "write a file that has `#include` of this one and calls what is to run, such as `int main() { f(A); }`",
+        "write a file that includes this one and calls the function to run, such as `int main() { f(A); }`",
     );
 }

@@ -98,9 +98,9 @@ impl Machine<'_> {
         };
         self.error(
             place,
-            format!("`{operator}` of `{class}`, objects of which are in this, is not called here"),
-            "objects inside of others, or of an array",
-            "go over the objects, in a loop or one by one",
+            format!("`{operator}` of `{class}` is not called for the objects inside this"),
+            "objects inside another object or an array",
+            "handle the objects in a loop or one by one",
         );
         true
     }
@@ -128,8 +128,8 @@ impl Machine<'_> {
         self.error(
             place,
             format!("`{operator}` between {a} and {b}"),
-            "no operator of this file fits",
-            &format!("define `operator{operator}` for it, or a function with a name"),
+            "no overload of this operator matches",
+            &format!("define `operator{operator}` for it, or use a named function"),
         );
         Value::Whole(0)
     }
@@ -144,8 +144,8 @@ impl Machine<'_> {
         self.error(
             place,
             format!("`{operator}` before {described}"),
-            "no operator of this file fits",
-            &format!("define `{name}` for it, or a function with a name"),
+            "no overload of this operator matches",
+            &format!("define `{name}` for it, or use a named function"),
         );
         Value::Whole(0)
     }
@@ -312,9 +312,9 @@ impl Machine<'_> {
         if lost {
             self.error(
                 place,
-                format!("`{name}` changes what has no name here"),
+                format!("`{name}` would change a temporary here"),
                 "it takes a reference",
-                "give it a variable, in a statement of its own",
+                "give it a variable, in a separate statement",
             );
             return Some(Value::Whole(0));
         }
@@ -353,7 +353,7 @@ impl Machine<'_> {
                     crate::unit::counted(members.len(), "variable"),
                     other.describe()
                 );
-                let help = "give it a pair or a tuple of as many values";
+                let help = "give it a pair or a tuple with the same number of values";
                 self.error(place, message, "this assignment", help);
                 return Value::Whole(0);
             }
@@ -408,7 +408,7 @@ impl Machine<'_> {
             let why = why.clone();
             self.unknown(
                 place,
-                format!("what `get` gives, {why} decides"),
+                format!("what `get` returns depends on {why}"),
                 &why,
                 None,
             );

@@ -262,8 +262,12 @@ impl Preprocessor<'_> {
             value != 0
         } else {
             self.faults.push(
-                Fault::error(place, "this `#if` is no constant", "this line")
-                    .help("`#if` takes whole numbers, names of `#define`, and `defined(NAME)`"),
+                Fault::error(
+                    place,
+                    "the condition of this `#if` is not a constant",
+                    "this line",
+                )
+                .help("`#if` takes whole numbers, names of `#define`, and `defined(NAME)`"),
             );
             false
         }
@@ -339,10 +343,10 @@ impl Preprocessor<'_> {
                 self.faults.push(
                     Fault::warning(
                         place,
-                        format!("`{name}` is not there"),
-                        "what it declares is not known",
+                        format!("the included file `{name}` was not found"),
+                        "its declarations are missing",
                     )
-                    .help("put it beside the file, under this name"),
+                    .help("put it into the same folder, under this name"),
                 );
             }
             return;
@@ -351,10 +355,10 @@ impl Preprocessor<'_> {
             self.faults.push(
                 Fault::error(
                     place,
-                    format!("files inside each other, more than {DEPTH}"),
+                    format!("more than {DEPTH} nested `#include`s"),
                     "this one",
                 )
-                .help("does a file include itself? begin it with `#pragma once`"),
+                .help("if a file includes itself, begin it with `#pragma once`"),
             );
             return;
         }
@@ -435,10 +439,7 @@ impl Preprocessor<'_> {
     fn expand(&mut self, tokens: &[Token], active: &mut Vec<Arc<str>>, at: Option<Place>) {
         if self.depth == 4 * NESTING {
             let place = at.or_else(|| Some(tokens.first()?.place));
-            let message = format!(
-                "more than {} levels of macros inside each other",
-                4 * NESTING
-            );
+            let message = format!("more than {} levels of nested macros", 4 * NESTING);
             self.stop(place.unwrap_or_default(), message);
             return;
         }

@@ -222,7 +222,7 @@ impl Machine<'_> {
             Reach::Value(Value::Text(text)) => character(&text, at),
             Reach::Value(Value::Unknown(why)) => Reach::Value(Value::Unknown(why)),
             Reach::Value(_) => {
-                Reach::Value(Value::Unknown("an element that only the run knows".into()))
+                Reach::Value(Value::Unknown("an element known only at run time".into()))
             }
             lost => lost,
         }
@@ -302,7 +302,10 @@ impl Machine<'_> {
             Some(Value::Record(layout, _))
                 if !layout.names(name) && !self.is_shared(layout, name) =>
             {
-                Why::never(&format!("`{name}`, which `{}` does not have,", layout.name))
+                Why::never(&format!(
+                    "`{name}`, which is not a member of `{}`",
+                    layout.name
+                ))
             }
             _ => format!("`{name}` of an object").into(),
         }
@@ -377,13 +380,13 @@ impl Machine<'_> {
             // The run may have ended before; whatever hangs on it is told of by itself.
             let fault = Fault::warning(
                 it.place,
-                format!("{message}, where {why} lets it come so far"),
+                format!("{message}; whether the run gets here depends on {why}"),
                 "this element",
             );
             self.fault(fault.help("`exec --host` runs it, and says where that happens"));
             return true;
         }
-        let help = "elements count from 0 up to one less than the length";
+        let help = "indices go from 0 to the length minus one";
         self.error(it.place, message, "this element", help);
         true
     }
@@ -421,7 +424,7 @@ impl Machine<'_> {
             Reach::Value(Value::Unknown(why))
                 if matches!(to.node, ExprNode::Call(..)) || self.chosen(to) =>
             {
-                let message = format!("where this is stored, {why} decides");
+                let message = format!("where this is stored depends on {why}");
                 self.unknown(to.place, message, why, None);
                 value
             }
@@ -436,7 +439,7 @@ impl Machine<'_> {
             Reach::Value(_) => {
                 self.error(
                     to.place,
-                    "nothing can be assigned to this".to_owned(),
+                    "this cannot be assigned to".to_owned(),
                     "no variable",
                     "assign to a variable, an element of an array, or a member of an object",
                 );
@@ -448,9 +451,9 @@ impl Machine<'_> {
     /// Warns of a variable that takes the handle of the slider which writes it.
     fn keeps_value(&mut self, to: &Expr) {
         let name = base_name(to);
-        let message = format!("`{name}` becomes the number of its slider's handle in C++");
+        let message = format!("in C++ `{name}` becomes the number of its slider's handle");
         let label = "until somebody moves the slider; here it keeps its value";
-        let help = format!("give the handle a variable of its own: `auto {name}_slider = …;`");
+        let help = format!("give the handle its own variable: `auto {name}_slider = …;`");
         self.fault(Fault::warning(to.place, message, label).help(help));
     }
 

@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// How a kernel is recorded at each launch.
-const ANEW: &str = "begin it with `scamp5_dynamic_kernel_begin();` and end it with `scamp5_dynamic_kernel_end();`: it is recorded at each launch then";
+const ANEW: &str = "begin it with `scamp5_dynamic_kernel_begin();` and end it with `scamp5_dynamic_kernel_end();`: then it is recorded at each launch";
 
 impl Machine<'_> {
     /// A kernel: records its words, where they are not kept, and launches them.
@@ -80,8 +80,8 @@ impl Machine<'_> {
         self.error(
             it.begin,
             "this kernel is left before its end".to_owned(),
-            "the chip would go on to record what comes behind it",
-            "`break`, `continue`, `return` and the loop over the frames stand around a kernel, not inside it",
+            "the chip would record what follows, too",
+            "`break`, `continue`, `return` and the frame loop belong outside a kernel",
         );
         Err(flow)
     }
@@ -129,7 +129,7 @@ impl Machine<'_> {
     /// whether it is launched.
     pub(super) fn may_launch(&mut self, words: &Words, place: Place) -> bool {
         if let (Some(why), false) = (self.maybe.clone(), words.items.is_empty()) {
-            let message = format!("whether this kernel runs, {why} decides");
+            let message = format!("whether this kernel runs depends on {why}");
             self.unknown(place, message, &why, None);
         }
         self.passes(words.items.len());
@@ -160,10 +160,10 @@ impl Machine<'_> {
         });
         if let Some((read, _)) = changed {
             let message = format!(
-                "this kernel is recorded at its first launch alone, and `{}` has changed since",
+                "this kernel is recorded only at its first launch, but `{}` has changed since",
                 read.spelled()
             );
-            let fault = Fault::warning(place, message, "the chip keeps the words of the first");
+            let fault = Fault::warning(place, message, "the chip keeps the first recording");
             self.fault(fault.help(help));
         }
     }

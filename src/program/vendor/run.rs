@@ -147,7 +147,7 @@ impl Machine<'_> {
     pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Why) -> Flow {
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
-            let message = format!("whether this kernel runs, {why} decides");
+            let message = format!("whether this kernel runs depends on {why}");
             self.unknown(on.place, message, why, Some(on));
         } else if parts.iter().any(|part| look::reads(self, part)) {
             self.unread(on.place, "whether this is read out", why);
@@ -258,12 +258,12 @@ impl Machine<'_> {
             other => (None, self.load(other, list)),
         };
         if let (Value::Unknown(_), Some(why)) = (&listed, self.not_followed(&reached)) {
-            let message = format!("how often this loop runs, {why} decides");
+            let message = format!("how often this loop runs depends on {why}");
             self.unknown(list.place, message, &why, None);
             return Flow::Next;
         }
         if let Value::Unknown(why) = &listed {
-            let message = format!("how often this loop runs, {why} decides");
+            let message = format!("how often this loop runs depends on {why}");
             self.unknown(list.place, message, why, None);
             let why = why.clone();
             look::forget(self, body, &why);
@@ -301,7 +301,7 @@ impl Machine<'_> {
         let Value::List(all) = listed else {
             self.error(
                 list.place,
-                "this is no list of known values".to_owned(),
+                "the values of this list are not known".to_owned(),
                 "the loop goes over it",
                 "write the values in the file: `int all[] = {1, 2, 3};`",
             );
@@ -370,9 +370,9 @@ impl Machine<'_> {
     fn changes_text(&mut self, place: Place) {
         self.error(
             place,
-            "the characters of a text are not changed one by one here".to_owned(),
-            "the loop goes over references to them",
-            "go over `char` or `const char &`, and make a text of its own of what comes out",
+            "changing the characters of a string one by one is not supported".to_owned(),
+            "the loop variable is a reference",
+            "loop over `char` or `const char &`, and build a new string",
         );
     }
 }

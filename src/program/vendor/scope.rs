@@ -123,9 +123,9 @@ impl<'a> Machine<'a> {
         {
             self.error(
                 place,
-                format!("`{name}` is set to {asked}, of which its type makes {made}"),
+                format!("`{name}` is set to {asked}, which its type converts to {made}"),
                 "its declaration",
-                "give a number that this type holds",
+                "give a number that its type can hold",
             );
         }
     }

@@ -87,7 +87,7 @@ fn row(text: &str, length: Option<usize>, kind: Kind) -> Result<Value, String> {
         if codes.len() > length {
             let wants = crate::unit::counted(codes.len(), "character");
             return Err(format!(
-                "{wants} with the 0 at the end, and there is room for {length}"
+                "{wants} with the terminating 0, but there is room for {length}"
             ));
         }
         codes.resize(length, Value::Whole(0));
@@ -180,7 +180,7 @@ pub(super) fn object(value: Value, layout: &Rc<Layout>) -> Result<Value, String>
             Ok(Value::Record(Rc::clone(layout), all))
         }
         Value::Record(of, _) => Err(format!(
-            "an object of `{}` is none of `{}`",
+            "an object of `{}` is not a `{}`",
             of.name, layout.name
         )),
         value => Ok(value),

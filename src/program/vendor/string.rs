@@ -230,9 +230,9 @@ impl Machine<'_> {
             None => {
                 self.error(
                     place,
-                    format!("`{name}.{member}` of the text \"{held}\" is not supported"),
-                    "this call, with what it is given",
-                    "make the text by `+` and `substr`, no further than its end",
+                    format!("`{name}.{member}` of the string \"{held}\" is not supported"),
+                    "this call, with these arguments",
+                    "build the string with `+` and `substr`, within its length",
                 );
                 return Value::Whole(0);
             }
@@ -290,9 +290,9 @@ impl Machine<'_> {
         let Some(held) = held else {
             self.error(
                 place,
-                format!("a character of the text \"{text}\" that it does not have"),
+                format!("index out of range in the string \"{text}\""),
                 "this index",
-                "characters count from 0 up to one less than the length",
+                "indices go from 0 to the length minus one",
             );
             return Some(Value::Whole(0));
         };
@@ -369,7 +369,7 @@ impl Machine<'_> {
         };
         let made = bytes.and_then(|it| String::from_utf8(it).ok());
         let made = made.map_or_else(
-            || Value::Unknown(format!("what `{name}` makes of a text").into()),
+            || Value::Unknown(format!("what `{name}` makes of a string").into()),
             |it| Value::Text(it.into()),
         );
         self.put(slot, &path, made.clone());
@@ -407,9 +407,9 @@ impl Machine<'_> {
     pub(super) fn text_places(&mut self, name: &str, place: Place) {
         self.error(
             place,
-            format!("`{name}` over a part of a text is not supported"),
+            format!("`{name}` over part of a string is not supported"),
             "this call",
-            "go over the characters in a loop, or give it all of one text",
+            "loop over the characters, or give it a whole string",
         );
     }
 }

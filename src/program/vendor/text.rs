@@ -51,7 +51,7 @@ impl Machine<'_> {
             self.error(
                 place,
                 format!(
-                    "`{name}` writes {wants} with the 0 at the end, and there is room for {room}"
+                    "`{name}` writes {wants} with the terminating 0, but the buffer has room for {room}"
                 ),
                 "this call",
                 "give it a larger array, or write less",

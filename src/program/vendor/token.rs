@@ -176,7 +176,7 @@ impl<'a> Lexer<'a> {
         let body = rest.get(open + 1..).unwrap_or_default();
         let Some(length) = body.find(&end) else {
             self.at = self.text.len();
-            return Err("text in quotes without an end".to_owned());
+            return Err("quotation mark without an end".to_owned());
         };
         self.at += open + 1 + length + end.len();
         // Where all others have their escapes, it has none.
@@ -202,7 +202,7 @@ impl<'a> Lexer<'a> {
             escaped = c == '\\' && !escaped;
         }
         self.at += rest.find('\n').unwrap_or(rest.len());
-        Err("text in quotes without an end".to_owned())
+        Err("quotation mark without an end".to_owned())
     }
 
     fn number(&mut self) -> Result<TokenKind, String> {

@@ -19,7 +19,7 @@ pub(super) type Slot = usize;
 
 /// Why a variable to which nothing was assigned has no value.
 pub(super) fn unassigned(name: &str) -> Why {
-    format!("`{name}`, to which nothing was assigned,").into()
+    format!("`{name}`, which is not initialised").into()
 }
 
 /// A value.
@@ -296,7 +296,9 @@ impl Value {
             | ("+", Self::Whole(by) | Self::Wide(by, _), Self::Text(text)) => {
                 let rest = usize::try_from(*by).ok().and_then(|by| text.get(by..));
                 let rest = rest.map(|it| Self::Text(it.into()));
-                Some(rest.ok_or_else(|| format!("{by} characters from here no text goes on")))
+                Some(rest.ok_or_else(|| {
+                    format!("{by} characters from here is past the end of the string")
+                }))
             }
             ("-", Self::Text(a), Self::Text(b)) => {
                 let back = || apart(b, a).and_then(|it| it.signed("-"));
@@ -328,7 +330,7 @@ impl Value {
             // `0 * x` and `false && x` are not worth knowing better.
             (Unknown(why), _) | (_, Unknown(why)) => Unknown(why.clone()),
             (Whole(a) | Wide(a, _), Whole(b) | Wide(b, _)) => Self::of_whole(operator, left, right)
-                .ok_or_else(|| format!("{a} {operator} {b} has no value"))?,
+                .ok_or_else(|| format!("{a} {operator} {b} is undefined"))?,
             (
                 Whole(_) | Wide(..) | Real(_) | Single(_),
                 Whole(_) | Wide(..) | Real(_) | Single(_),
@@ -364,19 +366,21 @@ impl Value {
                     "!=" => Self::flag(a != b),
                     "&&" => Self::flag(a != 0.0 && b != 0.0),
                     "||" => Self::flag(a != 0.0 || b != 0.0),
-                    _ => return Err(format!("`{operator}` is for whole numbers")),
+                    _ => return Err(format!("`{operator}` needs integers")),
                 }
             }
             (Pointer(slot, path, name), Whole(by) | Wide(by, _))
                 if matches!(operator, "+" | "-") =>
             {
                 let by = if operator == "-" { -by } else { *by };
-                let path = moved(path, by).ok_or_else(|| format!("`{name}` before its array"))?;
+                let path = moved(path, by)
+                    .ok_or_else(|| format!("a pointer before the array `{name}`"))?;
                 Pointer(*slot, path, name.clone())
             }
             (Back(slot, path, name), Whole(by) | Wide(by, _)) if matches!(operator, "+" | "-") => {
                 let by = if operator == "+" { -by } else { *by };
-                let path = moved(path, by).ok_or_else(|| format!("`{name}` before its array"))?;
+                let path = moved(path, by)
+                    .ok_or_else(|| format!("a pointer before the array `{name}`"))?;
                 Back(*slot, path, name.clone())
             }
             (Whole(_) | Wide(..), Pointer(..)) if operator == "+" => {
@@ -460,7 +464,7 @@ impl Value {
             Self::Whole(_) | Self::Wide(..) | Self::Real(_) | Self::Single(_) => {
                 format!("the number {}", self.written())
             }
-            Self::Unknown(why) => format!("a value of which {why} decides"),
+            Self::Unknown(why) => format!("a value that depends on {why}"),
             Self::Symbol(name) | Self::Pointer(_, _, name) | Self::Back(_, _, name) => {
                 format!("`{name}`")
             }

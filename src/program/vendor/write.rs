@@ -33,7 +33,7 @@ pub fn cpp(program: &Program, device: &Device) -> Result<String, WriteError> {
     let expansion = program.expand(device, &Overrides::new());
     let expansion = expansion.map_err(|faults| WriteError {
         what: faults.to_string(),
-        help: "mend the program first".to_owned(),
+        help: "fix the program first".to_owned(),
     })?;
     let mut writer = Writer {
         device,

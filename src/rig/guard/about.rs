@@ -43,7 +43,7 @@ pub enum About {
     AssumedRate = "assumed-rate",
     /// A clip that ends before all frames that were asked for.
     Short = "short",
-    /// Nearly everything matches by accident within the window.
+    /// Nearly everything matches by chance within the window.
     Window = "window",
     /// A still scene fires.
     Still = "still",

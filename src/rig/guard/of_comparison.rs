@@ -4,7 +4,7 @@ use super::{About, Guard, Warning};
 use crate::{compare::window::can_judge, event::Packet, unit::Micros};
 
 impl Warning {
-    /// What a comparison of two recordings warns of, in which accident scores `floor` within `window`.
+    /// What a comparison of two recordings warns of, in which chance scores `floor` within `window`.
     #[must_use]
     pub fn of_comparison(
         [reference, judged]: [&Packet; 2],
@@ -35,7 +35,7 @@ impl Warning {
         ))
     }
 
-    /// A window within which accident scores this much; none where a score still says something
+    /// A window within which chance scores this much; none where a score still says something
     /// ([`can_judge`]).
     #[must_use]
     pub fn window(within: Micros, floor: f64) -> Option<Self> {

@@ -23,7 +23,7 @@ pub struct Candidate {
     /// What it remembers, as the compiler takes it.
     #[serde(skip)]
     pub remembers: DriveMemory,
-    /// What of F1 is more than accident with the chip's errors, the mean of its kinds that have
+    /// What of F1 is more than chance with the chip's errors, the mean of its kinds that have
     /// something to keep; none where none has.
     pub kept: Option<f64>,
     /// Of how many kinds it is the mean.

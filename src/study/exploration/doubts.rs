@@ -37,7 +37,7 @@ impl Exploration {
             .collect()
     }
 
-    /// Kinds of which accident scores as much as any program.
+    /// Kinds of which chance scores as much as any program.
     fn by_accident(&self) -> Vec<Warning> {
         let mut guard = Guard::new();
         let kinds = self.candidates.iter().flat_map(|it| &it.kinds);

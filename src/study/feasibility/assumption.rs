@@ -24,7 +24,7 @@ impl Assumption {
                 if scene.is_linear {
                     "is linear"
                 } else {
-                    "is what the samples say, and linear only if they are: what codes them, such as the gamma of video, was not undone (--transfer undoes it)"
+                    "is taken from the samples as they are, and linear only if they are: an encoding, such as the gamma of video, was not undone (--transfer undoes it)"
                 }
             ),
         );
@@ -41,7 +41,7 @@ impl Assumption {
             Evidence::Guess,
             match question.exposure {
                 Some(exposure) => format!("Exposure is {exposure} a frame, as given."),
-                None => "Exposure is not limiting: none was given. The longest that the frame rate leaves is stated.".to_owned(),
+                None => "No exposure was given, so it does not limit. The longest that the frame rate allows is stated.".to_owned(),
             },
         );
         assume(
@@ -68,7 +68,7 @@ impl Assumption {
         );
         assume(
             Evidence::Modelled,
-            "A word takes the energy that it takes at the full instruction rate. What the array takes when it waits, what a scan takes and what the host takes is not public, and in no sum. 180 nm numbers of 2013 do not predict a modern stacked part.".to_owned(),
+            "A word is taken to need the same energy as at the full instruction rate. The power of the waiting array, of a scan and of the host is not public, and is in no sum. 180 nm numbers of 2013 do not predict a modern stacked part.".to_owned(),
         );
         assume(
             Evidence::Guess,

@@ -73,7 +73,7 @@ pub struct Stretch {
     pub of_frames: u64,
     /// Events of the float sensor in it.
     pub reference_events: u64,
-    /// F1 of redraws of them: what accident scores.
+    /// F1 of redraws of them: what chance scores.
     pub floor: f64,
 }
 
@@ -87,7 +87,7 @@ impl Stretch {
 /// The headlines over the chips.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Ranges {
-    /// What of F1 is more than accident; none where the scene cannot judge it.
+    /// What of F1 is more than chance; none where the scene cannot judge it.
     pub kept: Option<Spread>,
     /// The change of the float sensor's threshold that costs as much, in per cent; none where the
     /// scene cannot judge it.
@@ -109,7 +109,7 @@ pub struct DrawnChip {
     pub seed: u64,
     /// Whether it keeps enough and is fast enough.
     pub is_feasible: bool,
-    /// What of F1 is more than accident; none where the scene cannot judge it.
+    /// What of F1 is more than chance; none where the scene cannot judge it.
     pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
     pub window_us: Micros,
@@ -337,11 +337,11 @@ impl OverChips {
     pub fn unjudged(&self) -> Option<&'static str> {
         let stretch = self.stretch?;
         if stretch.reference_events == 0 {
-            Some("nothing to keep: the float kernel has no event in what they watched")
+            Some("nothing to keep: the float kernel has no event in what they were shown")
         } else if stretch.can_judge() {
             None
         } else {
-            Some("accident scores nearly as much as anything in what they watched")
+            Some("chance alone scores nearly 1 in what they were shown")
         }
     }
 
@@ -465,7 +465,7 @@ mod tests {
         assert_eq!(all.chips_feasible_with_loss, Some(0.5));
         assert_eq!(all.chips_fast_enough, Some(0.75));
         assert_eq!(all.count(0.5), 2);
-        // A scene in which nothing happens judges nobody, nor does one of which accident knows all.
+        // A scene in which nothing happens judges nobody, nor does one of which chance knows all.
         for stretch in [stretch(0, 0.0), stretch(7, 0.95)] {
             let cannot = of(stretch);
             assert_eq!(

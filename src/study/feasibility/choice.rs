@@ -102,7 +102,7 @@ impl Question<'_> {
                 Outcome::Refused(_) => None,
             })
         };
-        // What is kept rises with F1, and F1 tells rows apart also where accident scores 1.
+        // What is kept rises with F1, and F1 tells rows apart also where chance scores 1.
         let f1 = programs().map(|(_, chip)| chip.silicon.f1);
         let best = f1.fold(0.0, f64::max);
         let alike = programs().filter(|(_, chip)| chip.silicon.f1 > best - ALIKE);

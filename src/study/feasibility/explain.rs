@@ -136,7 +136,7 @@ const LINKS: &[Link] = &[
     Link::new(
         "floor",
         "/streams/silicon/judged/likeness/floor",
-        "F1 of redraws of the float sensor: right places and rates, times by accident",
+        "F1 of redraws of the float sensor: right places and rates, times by chance",
         &["window_us"],
     ),
     Link::new(
@@ -161,7 +161,7 @@ const LINKS: &[Link] = &[
     Link::new(
         "array_us",
         "/fit/on_chip/time/array",
-        "words / the highest clock; at the most a launch with every word besides",
+        "words / the highest clock; at most plus one launch for each word",
         &["words"],
     ),
     Link::new(
@@ -310,7 +310,7 @@ pub fn explain(all: &Feasibility, what: &str) -> Result<Explanation, ExplainErro
     };
     found.ok_or_else(|| {
         if LINKS.iter().any(|link| link.name == what) {
-            let help = "this answer has none, as where there is no program, no event to keep, or a window in which accident scores as much (--within)";
+            let help = "this answer has none, as where there is no program, no event to keep, or a window in which chance alone scores nearly 1 (--within)";
             return ExplainError {
                 what: what.to_owned(),
                 help: help.to_owned(),

@@ -141,19 +141,19 @@ impl Power {
                 what: "array, busy",
                 power: Some(busy),
                 at_most: None,
-                says: "A word takes the energy that it takes at the peak rate, however long the host needs to launch it.",
+                says: "A word is taken to need the same energy as at the peak rate, however long the host needs to launch it.",
             },
             idle: Part {
                 what: "array, idle",
                 power: None,
                 at_most: Some(idle),
-                says: "Not known: nobody states what the array takes while it waits.",
+                says: "Not known: no power of the waiting array is published.",
             },
             readout: Part {
                 what: "readout",
                 power: None,
                 at_most: None,
-                says: "Not known: nobody states what a scan takes.",
+                says: "Not known: no power of a scan is published.",
             },
             link: Part {
                 what: "link",

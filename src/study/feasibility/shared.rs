@@ -325,17 +325,19 @@ fn loss(kinds: &[SharedKind]) -> String {
     let (losing, all) = (named(&loses), named(&|kind| compared(kind).is_some()));
     match (kinds, &losing[..]) {
         _ if all.is_empty() => {}
-        ([_], []) => says.push(format!("It keeps no clearly less than {other}.")),
+        ([_], []) => says.push(format!("It does not keep clearly less than {other}.")),
         ([_], _) => says.push(format!("It keeps clearly less than {other}.")),
         (_, []) if all.len() == kinds.len() => {
             says.push(format!("None of them keeps clearly less than {other}."));
         }
         (_, []) => {
             let names = all.join(", ");
-            says.push(format!("These keep no clearly less than {other}: {names}."));
+            says.push(format!(
+                "These do not keep clearly less than {other}: {names}."
+            ));
         }
         (_, losing) => says.push(format!(
-            "Clearly less than in a program of their own keep: {}.",
+            "These keep clearly less than in a program of their own: {}.",
             losing.join(", ")
         )),
     }
@@ -401,7 +403,7 @@ mod tests {
             ),
             (
                 &[fine.clone(), loses],
-                "Clearly less than in a program of their own keep: loses.",
+                "These keep clearly less than in a program of their own: loses.",
             ),
             (
                 &[blind.clone(), fine.clone()],

@@ -71,7 +71,7 @@ pub struct Scored {
     /// redraw and of a permutation of the float sensor's events.
     pub floor: f64,
     /// How much of the way from floor to ceiling: 0 where there is no way, below 0 where it is less
-    /// than accident.
+    /// than chance.
     pub kept: f64,
 }
 

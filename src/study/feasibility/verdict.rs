@@ -107,7 +107,7 @@ impl Verdict {
             (true, _, "kept" | "mostly kept", "") | (true, _, _, FEASIBLE) => "Feasible",
             (true, _, "half kept", "") | (true, _, _, WITH_LOSS) => "Feasible, with loss",
             (true, _, _, IN_SOME) => some_of(&all.over_chips),
-            (true, ..) => "Runs, but what comes out is mostly not what the kernel says",
+            (true, ..) => "Runs, but most of its events are wrong",
         };
         // What is drawn is in the headline only where it decided it.
         let share = if fits && speed_word != "too slow" && kept_word != SILENT {
@@ -129,7 +129,7 @@ impl Verdict {
         Self {
             headline: format!("{headline}{share}"),
             rule: format!(
-                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are. Not known instead, where a number that it rests on is a guess without an interval in the chip's data, or whether it fits lies within the interval of such a number."
+                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where chance alone scores nearly 1, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are. Not known instead, where a number that it rests on is a guess without an interval in the chip's data, or whether it fits lies within the interval of such a number."
             ),
             findings,
         }
@@ -150,7 +150,7 @@ fn guessed(all: &Feasibility) -> Option<Finding> {
         about: "guesses",
         word: "not known",
         says: format!(
-            "In the data of {} {} guessed without an interval, so that all chips have the same value, or say of the room only that it may do: what is said holds if it is right. State between which values it lies (low, high, why), or measure it.",
+            "In the data of {} {} guessed without an interval. All chips then have the same value, or it stays open whether the program fits: the verdict holds if the guess is right. State an interval (low, high, why), or measure it.",
             all.chip.name,
             match &guesses[..] {
                 [one] => format!("{one} is"),
@@ -244,7 +244,7 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
         .filter(|stretch| stretch.frames < stretch.of_frames)
         .map_or(String::new(), |stretch| {
             format!(
-                " They watched the first {} of {} frames.",
+                " They were shown the first {} of {} frames.",
                 stretch.frames, stretch.of_frames
             )
         });
@@ -308,7 +308,7 @@ fn room(all: &Feasibility) -> Finding {
         Fit::OnChip(_) if too_large => (
             "does not fit",
             format!(
-                "The scene has {}x{} pixels and {} has {}x{}: what is said below is of an array as large as the scene.",
+                "The scene has {}x{} pixels and {} has {}x{}: all below is for an array as large as the scene.",
                 scene.width, scene.height, chip.name, chip.width, chip.height
             ),
         ),
@@ -368,9 +368,9 @@ fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
         ("fast enough", "with room to spare")
     };
     let binds = match chip.time.binds {
-        Binds::Array => "the array's words bind",
-        Binds::Readout => "the readout binds, not the computing",
-        Binds::Exposure => "the exposure binds",
+        Binds::Array => "the array's words are the bottleneck",
+        Binds::Readout => "the readout is the bottleneck, not the computation",
+        Binds::Exposure => "the exposure is the bottleneck",
     };
     Finding {
         about: "speed",
@@ -392,7 +392,7 @@ fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
             }),
         ),
         rule: format!(
-            "too slow: the highest ceiling that the public data allow, by any readout that loses nothing, is below the frame rate; in doubt: the lowest is, which is that of the slowest drawn chip where the events that it has make it slower than all that the times of the data allow; just fast enough: the lowest is below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
+            "too slow: the highest ceiling that the public data allow, by any readout that loses nothing, is below the frame rate; in doubt: the lowest is, which is that of the slowest drawn chip where the events that it has make it slower than all that the times of the data allow; just fast enough: the lowest is below {ROOM} times it; else fast enough. The longest of array, exposure and readout is the bottleneck."
         ),
     }
 }
@@ -417,7 +417,7 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
             .to_owned()
     } else if word == SILENT {
         format!(
-            "Within {} accident alone gives an F1 of {:.3}: the scene is too short for this window, so nothing can be said of fidelity. Give a shorter one (--within), or a longer scene.",
+            "Within {} chance alone gives an F1 of {:.3}: the scene is too short for this window, so nothing can be said of fidelity. Give a shorter one (--within), or a longer scene.",
             Short(likeness.window_us),
             likeness.floor
         )
@@ -426,7 +426,7 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
             format!(" But {}: {}.", few.seen, few.why)
         });
         format!(
-            "With the chip's errors, each at the value of the chip's data, the float kernel's events are {word}: {likeness}. F1 is {:.3}, where accident gives {:.3} and perfection 1.{few}",
+            "With the chip's errors, each at the value of the chip's data, the float kernel's events are {word}: {likeness}. F1 is {:.3}; chance gives {:.3}, a perfect match 1.{few}",
             likeness.f1, likeness.floor
         )
     };
@@ -435,7 +435,7 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
         word,
         says,
         rule: format!(
-            "share of the way from floor to 1 that F1 has gone; kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event, or the floor is above {CLEAR_FLOOR}. The threshold is the change of the float sensor's that costs as much."
+            "(F1 - floor) / (1 - floor); kept: from {all}; mostly kept: from {most}; half kept: from {half}; else mostly lost. Nothing to keep: the float kernel has no event, or the floor is above {CLEAR_FLOOR}. The threshold equivalent is the change of the float sensor's threshold that costs as much."
         ),
     }
 }
@@ -450,7 +450,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
     let (word, says) = if exact.is_none() || silicon.is_none() {
         (
             SILENT,
-            "There is nothing to keep here, so it cannot be said what costs most of it.".to_owned(),
+            "There is nothing to keep here, so no loss can be attributed.".to_owned(),
         )
     } else if few.max(chip) < LITTLE {
         (
@@ -463,7 +463,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         (
             share.name,
             format!(
-                "Most of the loss is {} ({few:.3} of what is to be kept is lost without the chip's errors, which take {chip:.3}).",
+                "Most of the loss is {} ({few:.3} of all that could be kept is lost without the chip's errors, which cost {chip:.3}).",
                 share.name
             ),
         )
@@ -471,7 +471,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         (
             "few values",
             format!(
-                "Most of the loss is the kernel's few values ({few:.3} of what is to be kept; the chip's errors take {chip:.3})."
+                "Most of the loss is the kernel's few values ({few:.3} of all that could be kept; the chip's errors cost {chip:.3})."
             ),
         )
     } else {
@@ -489,7 +489,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         (
             "the chip's errors",
             format!(
-                "Most of the loss is the chip's errors ({chip:.3} of what is to be kept; the kernel's few values take {few:.3}){}.{advice}",
+                "Most of the loss is the chip's errors ({chip:.3} of all that could be kept; the kernel's few values cost {few:.3}){}.{advice}",
                 largest(all)
             ),
         )
@@ -499,7 +499,7 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         word,
         says,
         rule: format!(
-            "What is kept less from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that takes most of what there is to keep in the waterfall over frame rate, at the scene's own rate."
+            "The loss from the float kernel to the program without errors, and from there to the chip; the larger is named if it is at least {LITTLE}. Above all: the step of the chip with the largest loss in the waterfall over frame rate, at the scene's own rate."
         ),
     }
 }
@@ -534,7 +534,7 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
         Some(_) => "about as many",
     };
     let says = match ratio {
-        None => "A plain DVS at the same threshold says nothing in this scene.".to_owned(),
+        None => "A plain DVS at the same threshold has no event in this scene.".to_owned(),
         Some(ratio) => format!(
             "It sends {word} events {} a plain DVS at the same threshold: {} the number, and the bits.",
             if word == "about as many" {
@@ -548,7 +548,7 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
     let says = match chip.dropped {
         0 => says,
         dropped => format!(
-            "{says} All slots of the program would lose {dropped} of them; the readout that is told of loses none."
+            "{says} With all slots of the program {dropped} of them would be lost; the readout stated here loses none."
         ),
     };
     Finding {
@@ -556,7 +556,7 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
         word,
         says,
         rule: format!(
-            "events of the chip for each of the DVS's; fewer: below {few}; more: above {many}; else about as many. The DVS has the threshold in light: kernels of larger weights send more."
+            "events of the chip per event of the DVS; fewer: below {few}; more: above {many}; else about as many. The DVS applies the threshold to light: kernels with larger weights send more."
         ),
     }
 }
@@ -581,7 +581,7 @@ fn noise(chip: &OnChip) -> Option<Finding> {
         about: "noise",
         word,
         says: format!(
-            "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of what two frames differ by{} ({}).",
+            "The threshold of {:.2} LSB is {says}: {margin:.1} standard deviations of the noise between two frames{} ({}).",
             chip.noise.threshold_lsb,
             chip.noise
                 .least_margin
@@ -603,7 +603,7 @@ fn mesh(all: &Feasibility) -> Option<Finding> {
     let (word, says) = if best.error <= carried {
         ("carries it", "would carry this kernel")
     } else if best.error <= near {
-        ("comes near", "would come near this kernel")
+        ("comes near", "would approximate this kernel")
     } else {
         ("cannot", "cannot carry this kernel")
     };
@@ -619,10 +619,11 @@ fn mesh(all: &Feasibility) -> Option<Finding> {
             },
             percent(best.error),
             if best.turned <= 0.005 {
-                "Turned or mirrored it is the same, as equal resistors make it.".to_owned()
+                "It is symmetric under rotation and reflection, as a mesh of equal resistors is."
+                    .to_owned()
             } else {
                 format!(
-                    "Any mesh of equal resistors would leave {}: turned or mirrored, the kernel is another.",
+                    "Any mesh of equal resistors would leave {}: the kernel is not symmetric under rotation and reflection.",
                     percent(best.turned)
                 )
             }

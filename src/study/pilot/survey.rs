@@ -58,9 +58,9 @@ pub struct Known {
     pub change: ChangeEstimate,
     /// F1 of its events and the full model's within the same window.
     pub f1: f64,
-    /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
+    /// What of F1 is more than chance, within 100 ms or the time from frame to frame.
     pub kept: Option<f64>,
-    /// What accident scores within that time.
+    /// What chance scores within that time.
     pub floor: f64,
     /// Seconds that it takes for the whole scene, the making of its light included.
     pub seconds: Spread,
@@ -288,7 +288,7 @@ impl<F: Family> Begun<'_, F> {
         self.trial.light_of(self.light, model)
     }
 
-    /// What accident scores on these tiles.
+    /// What chance scores on these tiles.
     fn floor(&self) -> Result<f64, String> {
         let packet = &self.full.packet;
         let pair = Pair::new(packet, packet).map_err(|error| error.to_string())?;

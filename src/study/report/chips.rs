@@ -23,7 +23,7 @@ pub(super) fn section(all: &Feasibility) -> Option<Part> {
         "chips",
         "On which chips? What the public data allow",
         html! {
-            p { "What nobody states of the chip is not fixed at one value: it was drawn, " (number::plain("/chips", over.chips as f64)) " times, from the interval that the public data leave, with mismatch of each chip\u{2019}s own. "
+            p { "Numbers of the chip that nobody states are not fixed at one value: they were drawn, " (number::plain("/chips", over.chips as f64)) " times, from the interval that the public data leave, with mismatch of each chip\u{2019}s own. "
                 (feasible(all))
                 @if let Some(stretch) = over.stretch.filter(|stretch| stretch.frames < stretch.of_frames) {
                     " They watched the first " (number::plain("/stretch/frames", stretch.frames as f64)) " of " (number::plain("/stretch/of_frames", stretch.of_frames as f64)) " frames."
@@ -71,7 +71,7 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
     let rows = [
         (
             "Kept",
-            "of the float kernel\u{2019}s events, above accident",
+            "of the float kernel\u{2019}s events, above chance",
             "kept",
             ranges.kept,
             "",

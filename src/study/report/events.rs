@@ -52,7 +52,7 @@ pub(super) fn emitted(all: &Feasibility) -> Part {
             p { "All sensors decide once a frame, at the same threshold. The plain DVS sees each pixel alone; an event costs one address word of row, column and sign." }
             (wide("Events and bits", &html! {
                 table {
-                    caption { "How much each sensor says" }
+                    caption { "How many events each sensor sends" }
                     thead { tr {
                         th scope="col" { "Sensor" }
                         th.n scope="col" { "Events" }
@@ -87,8 +87,8 @@ pub(super) fn right(all: &Feasibility) -> Part {
         "task",
         "Which task belongs on the sensor?",
         html! {
-            p { "One that the chip does as the float kernel says, and that a plain DVS does not do as well. An event is right where the float kernel has one of the same pixel and sign within "
-                (number::scaled("/within_us", all.within_us.0 as f64, 1e-3)) " ms. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
+            p { "One for which the chip sends the events of the float kernel, and a plain DVS does not. An event is right where the float kernel has one of the same pixel and sign within "
+                (number::scaled("/within_us", all.within_us.0 as f64, 1e-3)) " ms. The floor is what chance alone scores: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
             @if all.streams.float.events == 0 {
                 p { "The float kernel has no event on this scene: there is nothing to keep." }
             } @else { (broad("Scores", &html! {
@@ -123,8 +123,8 @@ pub(super) fn right(all: &Feasibility) -> Part {
                     }
                 }
             })) }
-            @if all.streams.float.events > 0 { p.note { "The mark in each bar is the floor. A frame apart, an event may be a frame early or late: what it has more than F1 was there, but not then. "
-                "Kept is what of F1 is more than a redraw of the float kernel\u{2019}s events scores; the threshold is the change of the float sensor\u{2019}s that costs as much; at equal events its threshold was set such that it says as many events, so that what is left is shape and not gain." } }
+            @if all.streams.float.events > 0 { p.note { "The mark in each bar is the floor. In the column for a frame apart, an event may be a frame early or late: what is above F1 there are right events at the wrong time. "
+                "Kept is the part of F1 above that of a redraw of the float kernel\u{2019}s events; the threshold is the change of the float sensor\u{2019}s threshold that costs as much; at equal events its threshold was set so that it sends as many events, which leaves differences of shape and removes those of gain." } }
         },
     )
 }

@@ -98,7 +98,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
     html! {
         p { "The same light at several frame rates, from the clip\u{2019}s own to what the chip allows with all slots of its program ("
             (number::plain("/over_rates/ceiling_fps", rates.ceiling_fps)) " frames/s by the nominal times of its data), on "
-            (number::plain("/over_rates/chips", rates.chips as f64)) " chips. What is kept is of the float sensor\u{2019}s events at the times of their crossings; what is not is shared out to its causes, those of the chip by their Shapley values." }
+            (number::plain("/over_rates/chips", rates.chips as f64)) " chips. What is kept is of the float sensor\u{2019}s events at the times of their crossings; the rest is shared out among its causes, those of the chip by their Shapley values." }
         (drawn("Picture of the waterfall over frame rate", &image::drawing(&rates.drawing(&title), &alt)))
         (wide("Waterfall over frame rate", &html! {
             table {

@@ -32,7 +32,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
                     tbody { @for (i, fit) in all.mesh.iter().enumerate() { (row(i, fit)) } }
                 }
             }))
-            p.note { "Error: what is not reached, over the kernel. Sum of gains: what noise and offsets of the parts are multiplied by. Outside the window: the part of the fitted field beyond the kernel's own rows and columns. All modelled, of ideal resistors." }
+            p.note { "Error: the difference from the kernel, relative to the kernel. Sum of gains: what noise and offsets of the parts are multiplied by. Outside the window: the part of the fitted field beyond the kernel's own rows and columns. All modelled, of ideal resistors." }
         },
     };
     part("mesh", "A resistor mesh instead", inside)

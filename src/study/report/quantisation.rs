@@ -96,7 +96,7 @@ fn why(all: &Feasibility) -> String {
             })
     };
     let Some((_, own)) = programs().find(|(to, _)| **to == all.chosen.to) else {
-        return "the first of the table that it is to be had in, since none of them has a program"
+        return "the first of the table in which the kernel can be written, since none of them has a program"
             .to_owned();
     };
     let f1 = programs().map(|(_, chip)| chip.silicon.f1);

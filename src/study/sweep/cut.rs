@@ -2,7 +2,7 @@
 //!
 //! A part of a scene is some frames of it, and the square of the array in which most changes there.
 //! A hash draws the frame that it begins with, in proportion to how much changes in the part; and it
-//! lasts long enough that what matches is more than accident. A scene that is too small for that is
+//! lasts long enough that what matches is more than chance. A scene that is too small for that is
 //! looked at whole beside the parts of others.
 
 use std::sync::Arc;
@@ -27,7 +27,7 @@ const LEAST_FRAMES: u64 = 5;
 const LEAST_SIDE: usize = 24;
 
 /// The least time of a part, in windows of matches: within one, any event matches any other of its
-/// cell, and nothing is more than accident.
+/// cell, and nothing is more than chance.
 const LEAST_WINDOWS: f64 = 2.0;
 
 /// The fewest frames of a part of a scene whose events are matched within a window.

@@ -18,7 +18,7 @@ pub struct LeftOut {
     pub points: usize,
     /// The largest upper limit, over the points, of the share of events that this changes.
     pub limit: f64,
-    /// By how much the mean error may be off: limits as parts of what accident leaves.
+    /// By how much the mean error may be off: limits as parts of what chance leaves.
     pub error_off: f64,
     /// By what share a mean count may be off.
     pub count_off: f64,
@@ -37,7 +37,7 @@ impl LeftOut {
             .filter(|row| stands_for(row))
             .collect();
         let limits = || left.iter().map(|row| number(row, "left_out_limit"));
-        // What is kept is told as a part of what accident leaves.
+        // What is kept is told as a part of what chance leaves.
         let errors = { left.iter() }
             .map(|row| number(row, "left_out_limit") / (1.0 - number(row, "floor")).max(1e-9));
         let all = rows.len() as f64;

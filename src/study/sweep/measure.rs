@@ -95,7 +95,7 @@ fn run(
             Some(Err(refusal)) => return Err(refusal.clone()),
             None => return Err(Refusal::Cannot("nothing was measured".to_owned())),
         };
-        // What is kept is told as a part of what accident leaves.
+        // What is kept is told as a part of what chance leaves.
         let floor = figures.get("floor").and_then(serde_json::Value::as_f64);
         let most = settings.tolerance.unwrap_or(0.0) * (1.0 - floor.unwrap_or(0.0));
         if plain.limit <= most {

@@ -181,7 +181,7 @@ fn silent(rows: &[Row]) -> Option<Warning> {
     })
 }
 
-/// That accident scores as much as anything at some points of these rows, told of the point where
+/// That chance scores as much as anything at some points of these rows, told of the point where
 /// it scores most.
 fn by_accident(rows: &[Row]) -> Option<Warning> {
     let warned = rows.iter().filter_map(|row| {
@@ -362,7 +362,7 @@ pub(super) fn no_error(rows: &[&Row]) -> Option<String> {
         Some(events) if number(first, "reference_events") == Some(0.0) => {
             format!("the float sensor has no event, this one has {events}")
         }
-        _ => "accident scores as much as anything".to_owned(),
+        _ => "chance alone scores 1".to_owned(),
     };
     let (some, all) = (bare.count() + 1, rows.len());
     Some(match all {
@@ -515,7 +515,7 @@ mod tests {
             why(&[bare(0)], "seconds_per_frame").as_deref(),
             Some(silent)
         );
-        let accident = "accident scores as much as anything";
+        let accident = "chance alone scores 1";
         assert_eq!(
             why(&[bare(9)], "seconds_per_frame").as_deref(),
             Some(accident)

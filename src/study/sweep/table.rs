@@ -84,10 +84,7 @@ const FIGURES: [Fixed; 24] = [
         "window_us",
         "window of the headline, microseconds: the first of `within`, else 100 ms or the time from frame to frame",
     ),
-    real(
-        "kept",
-        "what of F1 is more than accident, within that window",
-    ),
+    real("kept", "the part of F1 above chance, within that window"),
     text(
         "kept_of_kinds",
         "the same of each kind of several by its own events, a JSON list, as `quantise` and `feasibility` tell it",

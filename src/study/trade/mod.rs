@@ -79,7 +79,7 @@ pub struct Trade<M> {
 }
 
 impl<M> Trade<M> {
-    /// The most that accident scores where `kept` is measured.
+    /// The most that chance scores where `kept` is measured.
     #[must_use]
     pub fn floor(&self) -> f64 {
         let floors = self.points.iter().filter_map(Point::known);

@@ -131,7 +131,7 @@ impl Rates {
         };
         [
             format!(
-                "kept of the float sensor's events, at the times of its crossings, within {} and above accident; with all its readout slots the chip allows {:.0} frames/s (nominal)",
+                "kept of the float sensor's events, at the times of its crossings, within {} and above chance; with all its readout slots the chip allows {:.0} frames/s (nominal)",
                 Short(window),
                 self.ceiling_fps
             ),
@@ -155,13 +155,14 @@ impl Rates {
         }
     }
 
-    /// What stands in place of what is kept, where accident scores 1 at some rate.
+    /// What stands in place of what is kept, where chance scores 1 at some rate.
     #[must_use]
     pub fn unjudged(&self) -> Option<&'static str> {
         let is_unknown = |rate: &Rate| rate.headline.kept.is_none();
-        self.rates.iter().any(is_unknown).then_some(
-            "accident scores as much as anything there, so nothing can be said of what is kept.",
-        )
+        self.rates
+            .iter()
+            .any(is_unknown)
+            .then_some("chance alone scores 1 there, so nothing can be said of what is kept.")
     }
 
     /// What a designer can do about noise; nothing where there is none.

@@ -41,7 +41,7 @@ struct Part {
 }
 
 impl<'a> Judge<'a> {
-    /// None where accident scores 1: then nothing can be said of what is kept.
+    /// None where chance scores 1: then nothing can be said of what is kept.
     pub(super) fn new(
         reference: &'a Packet,
         sample: Option<&'a Sample>,
@@ -57,7 +57,7 @@ impl<'a> Judge<'a> {
         }))
     }
 
-    /// F1 within the window, above accident (which is taken for that of all tiles).
+    /// F1 within the window, above chance (which is taken for that of all tiles).
     pub(super) fn kept(self, said: &Packet) -> Result<Kept, CompareError> {
         let mut parts = vec![Part::default(); self.sample.map_or(1, Sample::parts)];
         for (cell, reference, judged) in Pair::new(self.reference, said)?.cells() {

@@ -110,7 +110,7 @@ pub struct Rates {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rate {
     /// What leaves the chip against the float sensor at the times of its crossings; what is kept
-    /// is the mean of the chips, none where accident scores as much as anything.
+    /// is the mean of the chips, none where chance scores as much as anything.
     #[serde(flatten)]
     pub headline: Headline,
     /// Whether the threshold equivalent is at least that.
@@ -134,7 +134,7 @@ pub struct Share {
     /// In a few words.
     pub name: &'static str,
     /// Of what there is to keep; the mean of the chips. Below 0 where it makes up for others; none
-    /// where accident scores as much as anything.
+    /// where chance scores as much as anything.
     pub share: Option<f64>,
     /// Where a further chip, on another choice of tiles, lies with 80 %.
     pub share_10_90: Option<[f64; 2]>,
@@ -345,7 +345,7 @@ struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// What the readout takes at a rate, after all else; none where accident scores as much as
+    /// What the readout takes at a rate, after all else; none where chance scores as much as
     /// anything.
     fn taken(&self, fps: f64, window: Micros) -> Result<Option<f64>, WaterfallError> {
         let question = self.fall.question;
@@ -458,7 +458,7 @@ impl OneRate<'_> {
     }
 
     /// What the readout takes. Slots are those of the whole sensor, so it is run, but where its
-    /// frames cannot fill them; none where accident scores as much as anything.
+    /// frames cannot fill them; none where chance scores as much as anything.
     fn readout(&self, game: &Game<'_>, fps: f64) -> Result<Option<f64>, WaterfallError> {
         let question = self.fall.question;
         let may_lose = match question.readout {

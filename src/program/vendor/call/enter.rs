@@ -52,9 +52,9 @@ impl Machine<'_> {
         if self.depth == DEPTH {
             self.error(
                 place,
-                format!("more than {DEPTH} calls inside each other"),
+                format!("more than {DEPTH} nested calls"),
                 "this call",
-                "does the function call itself? write a loop",
+                "if the function calls itself, write a loop instead",
             );
             return Value::Whole(0);
         }
@@ -122,7 +122,7 @@ impl Machine<'_> {
             {
                 let name = Some(&*function.name).filter(|name| !name.is_empty());
                 let name = name.map_or_else(|| "a lambda".to_owned(), |name| format!("`{name}`"));
-                let why = format!("{name}, which ends without a `return`,");
+                let why = format!("{name}, which ends without a `return`");
                 Value::Unknown(Why::never(&why))
             }
             _ => Value::Whole(0),
@@ -214,7 +214,7 @@ impl Machine<'_> {
                     "" => "a lambda".to_owned(),
                     name => format!("`{name}`"),
                 };
-                let message = format!("which variable {name} changes, {why} decides");
+                let message = format!("which variable {name} changes depends on {why}");
                 self.unknown(place, message, why, None);
             }
         }
@@ -383,9 +383,9 @@ impl Machine<'_> {
         if let Some(it) = of_class {
             self.error(
                 it.place,
-                "a template that is specialised for a class is not supported".to_owned(),
+                "a template specialised for a class is not supported".to_owned(),
                 "behind `template <>`",
-                "write it as a function of another name, and call that",
+                "write it as a function with another name, and call that",
             );
             return None;
         }
@@ -419,9 +419,9 @@ impl Machine<'_> {
         if found.is_none() && self.is_announced(function) {
             self.error(
                 place,
-                format!("`{}` has no body for what it is given here", function.name),
+                format!("`{}` has no definition for these arguments", function.name),
                 "this call",
-                "its template has only those behind `template <>`",
+                "only specialisations (`template <>`) are defined",
             );
         }
         found.cloned()
@@ -516,7 +516,10 @@ impl Machine<'_> {
                     let name = &function.name;
                     self.error(
                         place,
-                        format!("`{}` of the template `{name}` is not given", parameter.name),
+                        format!(
+                            "the template argument `{}` of `{name}` is missing",
+                            parameter.name
+                        ),
                         "this call",
                         &format!("write `{name}<value>(…)`"),
                     );

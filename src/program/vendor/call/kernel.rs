@@ -17,8 +17,8 @@ impl Machine<'_> {
     pub(super) fn no_statement(&mut self, name: &str, place: Place) -> Value {
         self.error(
             place,
-            format!("`{name}` stands inside a value"),
-            "a block begins or ends here",
+            format!("`{name}` is used inside an expression"),
+            "it begins or ends a block",
             &format!("write `{name}();` as a statement of its own"),
         );
         Value::Whole(0)
@@ -51,7 +51,7 @@ impl Machine<'_> {
         (slot, path): (Slot, &[usize]),
         function: Rc<Function>,
     ) -> Value {
-        const HELP: &str = "the chip's object records once: make another object of `scamp5_kernel` for other words";
+        const HELP: &str = "a `scamp5_kernel` object is recorded only once: use another object for other instructions";
         let held = match self.peek(slot, path) {
             Some(Value::Lambda(held)) => Some(Rc::clone(held)),
             _ => None,
@@ -64,10 +64,14 @@ impl Machine<'_> {
                 self.tell_changed(words, function.place, HELP);
             } else {
                 let message = format!(
-                    "this kernel has words already, those of {}",
+                    "this kernel is already recorded, in {}",
                     self.line(held.place)
                 );
-                let fault = Fault::warning(function.place, message, "the chip keeps the first");
+                let fault = Fault::warning(
+                    function.place,
+                    message,
+                    "the chip keeps the first recording",
+                );
                 self.fault(fault.help(HELP));
             }
             return Value::Lambda(Rc::clone(held));
@@ -116,9 +120,9 @@ impl Machine<'_> {
             _ => {
                 self.error(
                     place,
-                    format!("`{CLASS}` has no `{member}` that is known here"),
+                    format!("`{CLASS}` has no known member function `{member}`"),
                     "this call",
-                    "it has `begin()`, `end()`, `launch()` and `null()`, and is made of a lambda: `kernel([] { … });`",
+                    "it has `begin()`, `end()`, `launch()` and `null()`, and can be constructed from a lambda: `kernel([] { … });`",
                 );
             }
         }

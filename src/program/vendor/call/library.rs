@@ -23,15 +23,15 @@ impl Machine<'_> {
             Some(Some(value)) if value != 0.0 => {}
             Some(Some(_)) => self.error(
                 place,
-                format!("`static_assert` does not hold{why}"),
+                format!("`static_assert` failed{why}"),
                 "this condition is false",
-                "change what it is about",
+                "correct what it checks",
             ),
             _ => self.error(
                 place,
-                "`static_assert` of something that is no constant".to_owned(),
+                "`static_assert` needs a compile-time constant".to_owned(),
                 "this condition",
-                "give it what is known beforehand, or take it out",
+                "give it a compile-time constant, or remove it",
             ),
         }
         Value::Whole(0)
@@ -57,7 +57,7 @@ impl Machine<'_> {
             _ => {}
         }
         let Some(length) = all.first().map_or(Some(0), Value::whole) else {
-            return Value::Unknown("an array whose length only the run knows".into());
+            return Value::Unknown("an array whose length is known only at run time".into());
         };
         let value = all.get(1).unwrap_or(&Value::Whole(0));
         match usize::try_from(length) {
@@ -67,7 +67,12 @@ impl Machine<'_> {
             Ok(_) => Value::Whole(0),
             Err(_) => {
                 let message = format!("an array of {length} elements");
-                self.error(place, message, "this length", "give it a length from 0 on");
+                self.error(
+                    place,
+                    message,
+                    "this length",
+                    "give it a length of 0 or more",
+                );
                 Value::Whole(0)
             }
         }
@@ -132,9 +137,9 @@ impl Machine<'_> {
         let Some(result) = host::number(name, &numbers) else {
             self.error(
                 place,
-                format!("`{name}` of something that is no known number"),
+                format!("`{name}` of a number that is not known"),
                 "this call",
-                "give it numbers; other functions of the mathematical library are not known here: write the value",
+                "give it known numbers; for other functions of the math library, write the value itself",
             );
             return Value::Whole(0);
         };
@@ -294,11 +299,11 @@ impl Machine<'_> {
         let (what, help) = match name {
             "vs_gui_request_image" => (
                 "picture",
-                "give the picture as the scene, by `exec --image FILE`, and read it by `get_image(A);`; or take this call out, and give what it would load by `exec --set REGISTER=FILE.npy`",
+                "give the picture as the scene (`exec --image FILE`) and read it with `get_image(A);`, or remove this call and load a register with `exec --set REGISTER=FILE.npy`",
             ),
             "vs_gui_request_file" => (
                 "file",
-                "write what it holds into a file beside this one, as an array of constants",
+                "put its contents into a source file in the same folder, as an array of constants",
             ),
             _ => return,
         };
@@ -306,7 +311,7 @@ impl Machine<'_> {
             Some(Value::Text(file)) => format!(", `{file}`,"),
             _ => ",".to_owned(),
         };
-        let message = format!("`{name}` asks the GUI for a {what}{file} and there is none here");
+        let message = format!("`{name}` asks the GUI for a {what}{file} but there is no GUI here");
         self.error(place, message, "this call", help);
     }
 
@@ -356,10 +361,10 @@ impl Machine<'_> {
                 self.fault(
                     Fault::warning(
                         place,
-                        "the light is that of the scene: `pix_integrate` does nothing",
+                        "`pix_integrate` does nothing: the light comes from the scene",
                         "this call",
                     )
-                    .help("give the light by `exec --image`"),
+                    .help("give the scene with `exec --image`"),
                 );
                 Value::Whole(0)
             }
@@ -398,7 +403,7 @@ impl Machine<'_> {
         self.fault(
             Fault::warning(
                 place,
-                format!("`{name}` is set to {value}, and its slider goes from {low} to {high}"),
+                format!("`{name}` is set to {value}, but its slider goes from {low} to {high}"),
                 "this slider",
             )
             .help(format!("give `{name}` a value from {low} to {high}")),

@@ -217,8 +217,7 @@ impl Machine<'_> {
         let unknown = Value::Unknown(format!("an object of `{name}`").into());
         if let (true, Some(at)) = (fitting.is_empty(), announced) {
             let line = self.line(at);
-            let why =
-                format!("an object of `{name}`, whose constructor of {line} no file here defines,");
+            let why = format!("an object of `{name}`, whose constructor in {line} is not defined");
             return Value::Unknown(Why::never(&why));
         }
         if fitting.is_empty() {
@@ -227,7 +226,7 @@ impl Machine<'_> {
                 place,
                 format!("no constructor of `{name}` takes {given}"),
                 "made here",
-                "give what one of its constructors takes",
+                "use the arguments of one of its constructors",
             );
             return unknown;
         }

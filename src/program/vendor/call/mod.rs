@@ -208,11 +208,11 @@ impl Machine<'_> {
             self.error(
                 place,
                 format!(
-                    "`{name}` is a function of the file here, which begins a kernel inside a kernel"
+                    "`{name}` is a function of this file here, which begins a kernel inside a kernel"
                 ),
                 "this call",
                 &format!(
-                    "the chip has a word of this name: give the function in {} another one",
+                    "the chip has an instruction of this name: rename the function in {}",
                     self.line(function.place)
                 ),
             );
@@ -239,7 +239,7 @@ impl Machine<'_> {
             // A function by another name.
             Value::Symbol(name) => self.call_named(&name, given, None, place),
             Value::Unknown(why) if why != unassigned(&base_name(callee)) => {
-                let message = format!("what this call runs, {why} decides");
+                let message = format!("what this call runs depends on {why}");
                 self.unknown(place, message, &why, Some(callee));
                 Value::Unknown(why)
             }
@@ -247,7 +247,7 @@ impl Machine<'_> {
             // An object of a library.
             _ => {
                 self.outside(&base_name(callee), given, place);
-                Value::Unknown("what a call gives back".into())
+                Value::Unknown("what a call returns".into())
             }
         }
     }

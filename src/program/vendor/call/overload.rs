@@ -93,9 +93,9 @@ impl Machine<'_> {
         if found.is_empty() {
             self.error(
                 place,
-                format!("no `{name}` takes these arguments"),
+                format!("no overload of `{name}` takes these arguments"),
                 "this call",
-                "the functions of this name take other registers, or other types",
+                "its overloads take other registers or other types",
             );
             return None;
         }
@@ -133,9 +133,9 @@ impl Machine<'_> {
     fn unclear(&mut self, name: &str, place: Place) {
         self.error(
             place,
-            format!("which `{name}` is meant is ambiguous"),
-            "several functions of this name fit",
-            "convert the arguments to the types of the one that is meant, such as `(int)x`",
+            format!("the call of `{name}` is ambiguous"),
+            "several overloads match",
+            "cast the arguments to the types of the overload you mean, such as `(int)x`",
         );
     }
 

@@ -22,7 +22,7 @@ impl Machine<'_> {
                 Some(value) if random != Random::Bits => *parameter = value,
                 Some(_) => {}
                 None if random == Random::Bits => {}
-                None => return Value::Unknown("a distribution that only the run knows".into()),
+                None => return Value::Unknown("a distribution known only at run time".into()),
             }
         }
         Value::Random(random, parameters)

@@ -18,7 +18,7 @@ use crate::{
 
 /// What is told of a call of the host between the begin of a kernel and its end.
 pub(in crate::program::vendor) const RECORDING: &str =
-    "the chip's host does this while the kernel is recorded: once, before the kernel's words";
+    "the host runs this once, while the kernel is recorded, before the kernel's instructions";
 
 /// A readout takes about as long as copying so many values.
 const READOUT: usize = 1 << 13;
@@ -29,7 +29,7 @@ impl Machine<'_> {
         if self.recording.is_some() {
             self.fault(
                 Fault::warning(place, format!("`{name}` inside a kernel"), RECORDING)
-                    .help("end the kernel before it, and begin another one behind it"),
+                    .help("end the kernel before it, and begin another one after it"),
             );
         }
     }
@@ -45,7 +45,7 @@ impl Machine<'_> {
                 format!("`{name}` outside of a kernel"),
                 "no kernel is open here",
             )
-            .help("put it between `scamp5_kernel_begin();` and `scamp5_kernel_end();`: what the vendor's tools make of it elsewhere is not known; here it runs"),
+            .help("put it between `scamp5_kernel_begin();` and `scamp5_kernel_end();`: it runs here, but the vendor does not document what happens outside"),
         );
     }
 
@@ -69,11 +69,11 @@ impl Machine<'_> {
                 Fault::warning(
                     place,
                     format!(
-                        "the whole register is read here, {samples} times the samples of the chip"
+                        "the whole register is read here, {samples} times as many samples as on the chip"
                     ),
-                    "this asks for fewer of them",
+                    "this call asks for fewer samples",
                 )
-                .help("`scamp5_scan_areg` with the same steps says what fewer samples cost"),
+                .help("`scamp5_scan_areg` with the same steps gives the time of the fewer samples"),
             );
         }
         match term(register) {
@@ -92,7 +92,7 @@ impl Machine<'_> {
     fn no_argument(&mut self, name: &str, value: &Value, place: Place, of: Option<&Expr>) {
         match value {
             Value::Unknown(why) => {
-                let message = format!("`{name}` takes a value of which {why} decides");
+                let message = format!("`{name}` takes a value that depends on {why}");
                 self.unknown(place, message, why, of);
             }
             other => {
@@ -115,9 +115,9 @@ impl Machine<'_> {
                 Fault::warning(
                     place,
                     format!("`{name}` reads no light: the photodiodes were reset in this frame"),
-                    "light falls once a frame here",
+                    "there is one exposure per frame here",
                 )
-                .help("give each exposure a frame of its own, by `vs_frame_loop_control();`"),
+                .help("put each exposure into its own frame, with `vs_frame_loop_control();`"),
             );
         }
         self.dark |= captures && name != "getpix" || name == "respix";
@@ -145,7 +145,7 @@ impl Machine<'_> {
         let takes = match (&all[..], least == most) {
             ([_], true) => counted(most, "argument"),
             ([_], false) => format!("{least} to {}", counted(most, "argument")),
-            _ => "other numbers of arguments".to_owned(),
+            _ => "another number of arguments".to_owned(),
         };
         let message = format!("`{name}` takes {takes}, not {given}");
         let help = format!("it is defined in {}", self.line(last.place));
@@ -174,7 +174,7 @@ impl Machine<'_> {
         }
         self.error(
             place,
-            "this kernel is defined nowhere".to_owned(),
+            "this kernel is not defined".to_owned(),
             "what it does is not known",
             "define it before: `kernel([] { … });`",
         );
@@ -198,10 +198,10 @@ impl Machine<'_> {
             .map(|it| format!("`{it}`"))
             .collect();
         let help = match &missing[..] {
-            [] => "define it, or `#include` the file that does; what it does on the host alone can be taken out".to_owned(),
-            all => format!("it may be that of {}, which is not there: put it beside this file", all.join(" or ")),
+            [] => "define it, or `#include` the file that does; a call that serves the host alone can be removed".to_owned(),
+            all => format!("it may be declared in {}, which was not found: put that into the same folder as this file", all.join(" or ")),
         };
-        let message = format!("`{name}` is a function that no file here defines");
+        let message = format!("the function `{name}` is not defined in any file here");
         self.error(place, message, "this call", &help);
         true
     }
@@ -245,9 +245,9 @@ impl Machine<'_> {
         if let Some(file) = self.declared_in(name) {
             self.error(
                 place,
-                format!("`{name}` is declared in {file}, and no file that is read has its body"),
+                format!("`{name}` is declared in {file}, but not defined in any file here"),
                 "this call",
-                "`#include` the file that has it, or put it into this one",
+                "`#include` the file that defines it, or define it here",
             );
             return Value::Whole(0);
         }
@@ -329,9 +329,9 @@ impl Machine<'_> {
         if first == buffer {
             return;
         }
-        let message = format!("the events of `{first}` and `{buffer}` are taken for one kind");
-        self.fault(Fault::warning(at, message, "of the same sign").help(
-            "a buffer takes OFF events where a word of its name is `off`, `neg`, `negative`, `minus` or `falling`, else ON; `on1` and `off1` are a kind of their own",
+        let message = format!("the events of `{first}` and `{buffer}` are taken as one kind");
+        self.fault(Fault::warning(at, message, "it has the same sign").help(
+            "a buffer holds OFF events if a word of its name is `off`, `neg`, `negative`, `minus` or `falling`, otherwise ON events; `on1` and `off1` are a separate kind",
         ));
     }
 

@@ -31,7 +31,7 @@ impl Machine<'_> {
         if let Some(why @ Why::Run(_)) = why.clone()
             && (chosen || self.acting(member).is_some())
         {
-            let message = format!("what `{name}.{member}` runs, {why} decides");
+            let message = format!("what `{name}.{member}` runs depends on {why}");
             self.unknown(place, message, &why, None);
             return Value::Unknown(why);
         }
@@ -154,15 +154,15 @@ impl Machine<'_> {
             return true;
         };
         let line = self.line(acting.place);
-        let cause = cause.map_or_else(String::new, |it| format!("{it} is the reason: "));
+        let cause = cause.map_or_else(String::new, |it| format!("the reason is {it}: "));
         self.error(
             place,
             format!(
-                "`{name}.{member}` runs words of the array, and members of classes are not run"
+                "`{name}.{member}` runs instructions of the array, but member functions of this class are not supported"
             ),
             "this call",
             &format!(
-                "{cause}make `{member}`, in {line}, a function outside of the class, and call that"
+                "{cause}make `{member}`, in {line}, a function outside the class, and call that"
             ),
         );
         false

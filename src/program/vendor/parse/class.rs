@@ -303,7 +303,7 @@ impl Parser<'_> {
         let base = self.base_class();
         let unread = match (union, special, &base) {
             (true, ..) => Some("a union"),
-            (_, true, _) => Some("a specialised class template"),
+            (_, true, _) => Some("a class template specialisation"),
             _ if !self.template.is_empty() => Some("a class template"),
             (.., Err(what)) => Some(*what),
             _ => None,
@@ -777,7 +777,7 @@ pub(in crate::program::vendor) fn ended(class: &str) -> Word {
 }
 
 /// What a class is of which a member says more than is read.
-const UNCLEAR: &str = "a class with members that are not understood";
+const UNCLEAR: &str = "a class with members that cannot be parsed";
 
 /// What a class is whose objects change what they were made of.
 pub(in crate::program::vendor) const REFERS: &str = "a class with a reference as a member";

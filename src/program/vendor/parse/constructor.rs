@@ -184,7 +184,7 @@ impl Parser<'_> {
                 node => vec![Expr { node, place }],
             }
         } else {
-            arguments(self, "the part of a base is made by `Base(values)`")?
+            arguments(self, "a base is initialised with `Base(values)`")?
         };
         Ok(Self::makes_part(&name, given, place))
     }
@@ -222,8 +222,8 @@ impl Parser<'_> {
 
 /// Of a constructor behind its class that sets what is not supported.
 fn not_understood(place: Place) -> Fault {
-    let message = "what this constructor sets before its body is not supported";
-    Fault::error(place, message, "this constructor").help("set the members in its body")
+    let message = "the initialiser list of this constructor is not supported";
+    Fault::error(place, message, "this constructor").help("assign the members in its body")
 }
 
 /// Whether a constructor with these parameters copies an object: where that happens is not supported.

@@ -51,7 +51,7 @@ impl Parser<'_> {
         if full.len() > NAME {
             let fault = Fault::error(
                 place,
-                format!("types inside each other, with a name of more than {NAME} characters"),
+                format!("nested types with a name of more than {NAME} characters"),
                 "this type",
             );
             let known = |it: &Fault| it.place.start == place.start;

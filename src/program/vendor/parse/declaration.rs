@@ -15,7 +15,7 @@ use super::{
 use crate::config::Fault;
 
 /// How members get names.
-const BINDING: &str = "members get names by `auto [a, b] = value;`";
+const BINDING: &str = "a structured binding is `auto [a, b] = value;`";
 
 impl Parser<'_> {
     /// A declaration, if one stands here.

@@ -8,7 +8,7 @@ use super::super::{
 };
 use super::{Parsed, Parser, Type};
 
-const HELP: &str = "a lambda takes along `[&]`, `[=]`, or names";
+const HELP: &str = "a lambda captures `[&]`, `[=]`, or names";
 
 impl Parser<'_> {
     /// `[captures](parameters) { body }`

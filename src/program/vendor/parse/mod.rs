@@ -279,10 +279,10 @@ impl<'a> Parser<'a> {
         self.over = Over::At(self.place());
         Err(Fault::error(
             self.place(),
-            format!("more than {CHAIN} operators, calls or `else if`s one behind the other"),
+            format!("more than {CHAIN} operators, calls or `else if`s in a row"),
             "too many",
         )
-        .help("take it apart: give names to parts of it, or use a loop"))
+        .help("split it up: give names to parts of it, or use a loop"))
     }
 
     /// Statements up to where they end.
@@ -300,8 +300,7 @@ impl<'a> Parser<'a> {
                 if self.faults.is_empty() {
                     let place = self.place();
                     self.faults.push(
-                        Fault::error(place, "this `}` closes nothing", "no block is open")
-                            .help("remove it"),
+                        Fault::error(place, "unmatched `}`", "no block is open").help("remove it"),
                     );
                 }
                 self.at += 1;
@@ -434,9 +433,9 @@ impl<'a> Parser<'a> {
 
 /// Of a text whose beginnings each fit several things, inside each other.
 fn too_many_ways(place: Place) -> Fault {
-    let message = "there are too many ways to read this".to_owned();
-    Fault::error(place, message, "here it was given up")
-        .help("take it apart: give names to the types and the values in it")
+    let message = "this is too ambiguous to parse".to_owned();
+    Fault::error(place, message, "parsing stopped here")
+        .help("split it up: give names to the types and values in it")
 }
 
 /// A namespace inside of another.

@@ -66,7 +66,7 @@ impl Parser<'_> {
                 let body = self.block()?;
                 if let Some(place) = body.iter().find_map(inner_case) {
                     let message =
-                        "a case inside another statement of its `switch` is not supported";
+                        "a `case` inside a nested statement of its `switch` is not supported";
                     let fault = Fault::error(place, message, "this case");
                     self.faults
                         .push(fault.help("put it between the other cases"));
@@ -165,7 +165,7 @@ impl Parser<'_> {
             "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
                 Err(Fault::error(
                     self.place(),
-                    format!("`{}` is no C++", self.word(0)),
+                    format!("`{}` is not C++", self.word(0)),
                     "this block",
                 )
                 .help("in C++ write `while (1) { … }` for the frames, `for` for a repetition"))
@@ -250,7 +250,7 @@ impl Parser<'_> {
     }
 
     fn parenthesised(&mut self) -> Parsed<Expr> {
-        self.expect("(", "the condition stands in parentheses")?;
+        self.expect("(", "put the condition in parentheses")?;
         let value = self.expression()?;
         self.expect(")", "close the parenthesis")?;
         Ok(value)
@@ -262,7 +262,7 @@ impl Parser<'_> {
         let (what, help) = match &*word {
             "try" => (
                 "block",
-                "write what stands in it without `try`: nothing is thrown here",
+                "write its statements without `try`: nothing is thrown here",
             ),
             "throw" => ("statement", "leave it out, or `return`"),
             _ => ("statement", "write a loop that waits for its frames"),
