@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_lies_between_accident_and_all() {
+    fn what_is_kept_lies_between_chance_and_all() {
         assert_eq!(kept(1.0, 0.4), Some(1.0));
         assert_eq!(kept(0.4, 0.4), Some(0.0));
         assert!((kept(0.7, 0.4).unwrap() - 0.5).abs() < 1e-12);

@@ -17,7 +17,7 @@ impl Exploration {
         picked: &Candidate,
     ) -> Result<Vec<Warning>, ExplorationError> {
         let mut all = self.missed(question);
-        all.extend(self.by_accident());
+        all.extend(self.by_chance());
         all.extend(self.few(question));
         all.extend(self.silent(picked));
         let little = |kept| Warning::kept(&picked.to.to_string(), kept, HALF);
@@ -38,7 +38,7 @@ impl Exploration {
     }
 
     /// Kinds of which chance scores as much as any program.
-    fn by_accident(&self) -> Vec<Warning> {
+    fn by_chance(&self) -> Vec<Warning> {
         let mut guard = Guard::new();
         let kinds = self.candidates.iter().flat_map(|it| &it.kinds);
         guard.extend(kinds.filter_map(|kind| kind.exact.warning(&kind.name)));

@@ -80,7 +80,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn limits_are_parts_of_what_accident_leaves() {
+    fn limits_are_parts_of_what_chance_leaves() {
         let row = |row: Json| row.as_object().unwrap().clone();
         let own = row(json!({"left_out": "", "left_out_limit": 0.0, "floor": 0.5}));
         let plain = row(json!({"left_out": "f16", "left_out_limit": 0.1, "floor": 0.5}));

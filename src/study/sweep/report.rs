@@ -133,7 +133,7 @@ pub struct Refused {
 #[must_use]
 pub fn warnings(rows: &[Row]) -> Vec<Warning> {
     let all = [
-        by_accident(rows),
+        by_chance(rows),
         silent(rows),
         slots(rows),
         saturated(rows),
@@ -183,7 +183,7 @@ fn silent(rows: &[Row]) -> Option<Warning> {
 
 /// That chance scores as much as anything at some points of these rows, told of the point where
 /// it scores most.
-fn by_accident(rows: &[Row]) -> Option<Warning> {
+fn by_chance(rows: &[Row]) -> Option<Warning> {
     let warned = rows.iter().filter_map(|row| {
         let number = |name: &str| row.get(name).and_then(serde_json::Value::as_f64);
         let floor = number("floor").filter(|_| number("reference_events") > Some(0.0))?;
@@ -515,10 +515,10 @@ mod tests {
             why(&[bare(0)], "seconds_per_frame").as_deref(),
             Some(silent)
         );
-        let accident = "chance alone scores 1";
+        let chance = "chance alone scores 1";
         assert_eq!(
             why(&[bare(9)], "seconds_per_frame").as_deref(),
-            Some(accident)
+            Some(chance)
         );
         let some = why(&[row("array", "f16", "a", 0.5, 1.0), bare(0)], "bits").unwrap();
         assert_eq!(
