@@ -1089,7 +1089,7 @@ fn what_goes_wrong_beside_the_array_has_its_line() {
         "uint8_t few[4]; scamp5_scan_events(R5, few, 100);",
         &[
             "p.cpp:4:",
-            "`scamp5_scan_events` writes 200 numbers, and there is room for 4",
+            "`scamp5_scan_events` writes 200 numbers, but the buffer has room for 4",
         ],
     );
     wrong(

@@ -382,7 +382,7 @@ mod tests {
         let told = loss(&kinds);
         assert_eq!(
             told,
-            "few cannot be judged on this scene. These keep no clearly less than in a program of its own: fine."
+            "few cannot be judged on this scene. These do not keep clearly less than in a program of its own: fine."
         );
     }
 
@@ -407,7 +407,7 @@ mod tests {
             ),
             (
                 &[blind.clone(), fine.clone()],
-                "blind cannot be judged on this scene. These keep no clearly less than in a program of its own: fine.",
+                "blind cannot be judged on this scene. These do not keep clearly less than in a program of its own: fine.",
             ),
             (
                 std::slice::from_ref(&blind),
@@ -423,7 +423,7 @@ mod tests {
             ),
             (
                 &[fine],
-                "It keeps no clearly less than with a memory in an analogue register.",
+                "It does not keep clearly less than with a memory in an analogue register.",
             ),
         ] {
             assert_eq!(loss(kinds), told);

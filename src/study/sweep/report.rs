@@ -132,12 +132,7 @@ pub struct Refused {
 /// What makes the figures of these rows mean something else than they seem to.
 #[must_use]
 pub fn warnings(rows: &[Row]) -> Vec<Warning> {
-    let all = [
-        by_chance(rows),
-        silent(rows),
-        slots(rows),
-        saturated(rows),
-    ];
+    let all = [by_chance(rows), silent(rows), slots(rows), saturated(rows)];
     all.into_iter().flatten().collect()
 }
 
