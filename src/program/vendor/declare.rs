@@ -126,7 +126,7 @@ impl Machine<'_> {
             return;
         }
         if it.outside && it.value.is_none() {
-            let why = format!("`{}`, which is defined nowhere,", it.name);
+            let why = format!("`{}`, which is not defined", it.name);
             self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
             return;
         }
@@ -166,8 +166,7 @@ impl Machine<'_> {
                 Reach::Value(Value::Unknown(why))
                     if !it.constant && matches!(value.node, ExprNode::Choose(..)) =>
                 {
-                    let message =
-                        format!("which variable `{}` refers to depends on {why}", it.name);
+                    let message = format!("what `{}` refers to depends on {why}", it.name);
                     self.unknown(value.place, message, &why, None);
                     Some(Value::Unknown(why))
                 }
