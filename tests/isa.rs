@@ -702,7 +702,7 @@ fn a_chip_of_fewer_bits_does_without_what_needs_another() {
     let bits = ["R0", "R1", "R2", "R3", "R4", "R5", "R6", "R12"];
     let few = extended(&format!("[registers]\ndigital = {bits:?}\n"), "");
     assert_eq!(few.digital_name(few.registers().roles.propagated), "R12");
-    let elsewhere = "write it with what x has; or run it on another chip (--chip)";
+    let elsewhere = "use the statements that x has; or run it on another chip (--chip)";
     for (text, why) in [
         (
             "scamp5_kernel_refresh_dreg();",
@@ -758,7 +758,7 @@ fn a_chip_of_fewer_words_does_without_what_is_made_of_them() {
     }
     // A form goes with what its body needs of it, the forms that only pass a number on with it.
     let still = extended("", "name = \"prop\"\nforms = []");
-    let elsewhere = "write it with what x has; or run it on another chip (--chip)";
+    let elsewhere = "use the statements that x has; or run it on another chip (--chip)";
     assert_eq!(
         wrong(&still, "scamp5_flood(R5, R6, 0, 3);"),
         format!("`scamp5_flood` is left out on x, which has no `PROP_0` | {elsewhere}")

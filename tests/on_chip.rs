@@ -370,7 +370,7 @@ fn two_verbs_say_the_same_of_a_program() {
         if objective == "exact" {
             assert!(
                 text.contains(
-                    "nothing saturates for light up to 254 of 255, but the result of a filter may"
+                    "nothing saturates for light up to 254 of 255, but the difference from the memory may"
                 ),
                 "{text}"
             );

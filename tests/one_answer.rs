@@ -275,7 +275,7 @@ fn an_impossible_candidate_is_a_row() {
 
 /// What verbs warn of is what `feasibility` does not judge.
 #[test]
-fn accident_scores_too_much_from_one_limit() {
+fn chance_scores_too_much_from_one_limit() {
     for floor in [0.0, 0.85, 0.9, 0.92, 0.97, 1.0] {
         let warned = Warning::window(Micros(100_000), floor).is_some();
         assert_eq!(warned, !can_judge(floor), "{floor}");

@@ -105,7 +105,10 @@ fn options_without_effect_are_refused() {
         ),
         (
             "quantise sobel-x --to int-3 --seed 4".to_owned(),
-            ["--seed needs stochastic rounding", "leave --seed out"],
+            [
+                "--seed has no effect without stochastic rounding",
+                "leave --seed out",
+            ],
         ),
         (
             "sweep --schema formats -o sw".to_owned(),

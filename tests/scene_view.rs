@@ -214,7 +214,7 @@ fn what_a_scene_does_not_have_is_refused() {
         (
             ["--slice", "10us..20us"],
             vec![
-                "holds no frame 10us..20us",
+                "the slice 10us..20us holds no frame",
                 "the scene has frames before and after it, at 100 frames/s",
             ],
         ),

@@ -68,7 +68,7 @@ fn no_event_at_all_is_told_of_rows_too() {
     );
     assert_eq!(abouts(&told), ["no-events", "rows"]);
     assert!(
-        text.contains("no event at all in 3 frames: its cells made 2 events, in rows that"),
+        text.contains("no event at all in 3 frames: cells fired 2 events in rows that"),
         "{text}"
     );
     // A readout of rows is warned of as one of slots is.

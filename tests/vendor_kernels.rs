@@ -440,7 +440,7 @@ fn a_function_with_the_name_of_a_word_is_the_files_own() {
     refused(
         &text,
         2,
-        "`sub` is a function of this file here, which begins a kernel inside a kernel",
+        "`sub` is here a function of this file, which begins a kernel inside a kernel",
     );
 }
 

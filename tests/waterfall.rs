@@ -455,7 +455,7 @@ fn over_scene(question: &Question<'_>, choice: &Choice, scene: &str) -> Rates {
 
 /// Within a window that covers the clip chance scores all there is.
 #[test]
-fn where_accident_scores_all_nothing_is_told() {
+fn where_chance_scores_all_nothing_is_told() {
     let (kernel, device) = (ternary(), Device::scamp5());
     let within = Micros(10_000_000);
     let open = || scene::open(SCENE, &OpenOptions::default());

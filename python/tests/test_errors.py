@@ -466,7 +466,7 @@ def test_options_are_arguments() -> None:
     """What the library says of options of the command line, as it is said here."""
     said = amacrine._amacrine.in_python
     for text, want in {
-        "take more values (another --to)": "take more values (another to)",
+        "use more levels (another --to)": "use more levels (another to)",
         "leave the sum free (--sum free), or": 'leave the sum free (sum="free"), or',
         "leave the compression out (--compression), or": "leave the compression out (compression), or",
         "give a contrast (`--upsample`, or `upsample` in a study) such": "give a contrast (upsample) such",
@@ -486,7 +486,7 @@ def test_options_are_arguments() -> None:
         ),
         "leave it out (--without noise-events,leak)": 'leave it out (sensor.without("noise-events", "leak"))',
         "--without mismatch in the domain exact": 'without="mismatch" in the domain exact',
-        "as scenes of their own (--slice)": "as scenes of their own (slice of load)",
+        "as separate scenes (--slice)": "as separate scenes (slice of load)",
         "leave the number out (--stream): it": "leave the number out (stream): it",
         "choose one by its number: --stream N, in Python read(path, stream=N)": "choose one by its number: read(path, stream=N)",
         "; `convert --salvage` keeps": "; `amacrine convert --salvage` keeps",

@@ -419,7 +419,7 @@ pub enum SceneError {
     /// An mp4 that is damaged, or not H.264 in 8 or 10 bits.
     #[error("{path}: {what}")]
     #[diagnostic(help(
-        "only progressive H.264 in 8 or 10 bits, 4:2:0 or 4:2:2, is read from mp4; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
+        "only progressive H.264 in 8 or 10 bits, grey, 4:2:0 or 4:2:2, is read from mp4; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
     ))]
     Mp4 {
         /// The file or folder of the scene.

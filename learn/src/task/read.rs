@@ -80,7 +80,7 @@ impl Task {
         }
         if let Some(video) = &mut task.scenes.video
             && !video.starts_with("pattern:")
-            && video != "bundled"
+            && (video != "bundled" || beside.join("bundled").exists())
         {
             *video = beside.join(&*video).to_string_lossy().into_owned();
         }

@@ -443,7 +443,7 @@ impl Compiled {
         let range = match range.strip_prefix("nothing saturates") {
             Some(rest) if self.memory.is_some() => {
                 format!(
-                    "nothing saturates for light up to {} of 255, but the result of a filter may{rest}",
+                    "nothing saturates for light up to {} of 255, but the difference from the memory may{rest}",
                     brightest(device)
                 )
             }

@@ -42,9 +42,15 @@ impl Stated {
     /// What is to be said of it after so many frames.
     fn note(self, frames: u64) -> Option<String> {
         match self {
-            Self::Clip(says) => (says != frames).then(|| {
-                format!("the whole clip was run, not the program's frames = {says}: --frames {says} limits it")
-            }),
+            Self::Clip(says) if says == frames => None,
+            Self::Clip(says) => {
+                let whole = format!("the whole clip was run, not the program's frames = {says}");
+                Some(if says < frames {
+                    format!("{whole}: --frames {says} limits it")
+                } else {
+                    whole
+                })
+            }
             Self::Pattern(says) => Some(format!(
                 "the pattern was run for the program's frames = {says}: --frames N runs more"
             )),
@@ -101,7 +107,7 @@ impl Said {
             format!("the host decides what runs: {words}")
         });
         let adds = (frames > 1 && self.exposure.get().adds_up()).then(|| {
-            "the program does not reset the photodiodes: on the chip light adds up over frames, here each frame is one exposure".to_owned()
+            "frames read the photodiodes without a reset: on the chip light adds up over them, here each frame is one exposure".to_owned()
         });
         let left = self.left.get().then(|| {
             format!(

@@ -230,7 +230,7 @@ impl Arguments {
         if self.seed.is_some() && !self.to.iter().any(Quantiser::is_random) {
             return Err(miette!(
                 help = "leave --seed out, round by chance (--to q3.4:stochastic), or give a threshold, too",
-                "--seed needs stochastic rounding: these levels are the same under every seed"
+                "--seed has no effect without stochastic rounding or a threshold: these levels are the same under every seed"
             ));
         }
         let own = [

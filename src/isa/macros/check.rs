@@ -295,7 +295,7 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
                 "in the body of a macro",
             )
             .help(match why {
-                Some(_) => format!("write it with what {} has", device.name()),
+                Some(_) => format!("use the statements that {} has", device.name()),
                 None => suggestion_or(
                     &statement.name,
                     names,

@@ -87,7 +87,7 @@ impl Lowering<'_> {
                 if all.is_empty() {
                     "the program declares none; write `const name = value;`".to_owned()
                 } else {
-                    format!("it states {}", all.join(", "))
+                    format!("it declares {}", all.join(", "))
                 }
             });
             (format!("there is no constant `{name}` to set"), help)

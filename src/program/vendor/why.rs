@@ -2,7 +2,7 @@
 
 use std::{fmt, sync::Arc};
 
-/// What decides on a value, in words that stand before "decides".
+/// What a value depends on, in words that stand behind "depends on", without a comma at the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Why {
     /// Something that a run knows.

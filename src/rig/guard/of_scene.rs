@@ -66,10 +66,7 @@ impl Warning {
                     "light goes up to {}, but the sensor takes 0 to {white}",
                     five_digits(high)
                 ),
-                format!(
-                    "samples of more than 8 bits are used unscaled{}",
-                    grown(response)
-                ),
+                format!("light beyond {white} is used as it is{}", grown(response)),
                 format!(
                     "give --scale as {white} divided by white in the array ({:.6} for 10 bits, {:.6} for 12, {:.8} for 16), or multiply the array",
                     white / 1023.0,

@@ -181,7 +181,7 @@ impl Warning {
                 About::Kept,
                 subject,
                 format!("only {kept:.2} is kept on the chip"),
-                "most events on the chip differ from those of the kernels, and no better design was found or taken",
+                "the chip loses more than half of what could be kept, and no better design was found or taken",
                 "give higher thresholds or a lower rate, another quantiser (--to), a longer search (--effort), or other kernels",
             )
         })

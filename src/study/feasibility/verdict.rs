@@ -107,7 +107,7 @@ impl Verdict {
             (true, _, "kept" | "mostly kept", "") | (true, _, _, FEASIBLE) => "Feasible",
             (true, _, "half kept", "") | (true, _, _, WITH_LOSS) => "Feasible, with loss",
             (true, _, _, IN_SOME) => some_of(&all.over_chips),
-            (true, ..) => "Runs, but most of its events are wrong",
+            (true, ..) => "Runs, but keeps little of the kernel's events",
         };
         // What is drawn is in the headline only where it decided it.
         let share = if fits && speed_word != "too slow" && kept_word != SILENT {

@@ -208,7 +208,7 @@ impl Machine<'_> {
             self.error(
                 place,
                 format!(
-                    "`{name}` is a function of this file here, which begins a kernel inside a kernel"
+                    "`{name}` is here a function of this file, which begins a kernel inside a kernel"
                 ),
                 "this call",
                 &format!(

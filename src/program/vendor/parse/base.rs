@@ -33,7 +33,7 @@ impl Parser<'_> {
         if self.classes.contains(name) {
             Ok(Some(name.into()))
         } else {
-            Err("a class with a base that is not supported")
+            Err("a class with an unsupported base")
         }
     }
 

@@ -344,7 +344,7 @@ impl Parser<'_> {
             } else if functions.iter().any(copies) {
                 "a class with a copy constructor"
             } else if functions.iter().any(is_operator) {
-                "a class with operators that are not supported"
+                "a class with unsupported operators"
             } else if bit_fields {
                 "a class with bit fields"
             } else {
@@ -777,7 +777,7 @@ pub(in crate::program::vendor) fn ended(class: &str) -> Word {
 }
 
 /// What a class is of which a member says more than is read.
-const UNCLEAR: &str = "a class with members that cannot be parsed";
+const UNCLEAR: &str = "a class with unreadable members";
 
 /// What a class is whose objects change what they were made of.
 pub(in crate::program::vendor) const REFERS: &str = "a class with a reference as a member";
