@@ -244,7 +244,7 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
     };
     refused("a.jpg", &good, "`jpg` is not a known kind");
     refused("a", &good, "known are csv, txt, e2vid");
-    refused("a.txt", &with(|p| p.channels = 2), ".txt has no place");
+    refused("a.txt", &with(|p| p.channels = 2), ".txt stores no kinds");
     let far = with(|p| {
         p.size.width = 40_000;
         p.events[1].x = 39_999;

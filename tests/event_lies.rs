@@ -302,7 +302,7 @@ fn packets_are_held_to_their_table() {
     );
     let last = 8 + 4 + 28 + (40_000 - 4 * 8192) * 16;
     open.truncate(open.len() - last);
-    let kept = says(open, "says 40000 events, and the file has 32768 events");
+    let kept = says(open, "says 40000 events, but the file has 32768 events");
     assert_eq!(kept, packet.events[..32_768]);
 }
 
@@ -357,12 +357,12 @@ fn headers_that_contradict_themselves() {
         (
             Format::Csv,
             b"# amacrine events=2\nt,x,y,p\n1,2,3,1\n",
-            "says 2 events, and the file has 1 event",
+            "says 2 events, but the file has 1 event",
         ),
         (
             Format::Txt,
             b"# amacrine events=1 times=7..7\n0.000008 2 3 1\n",
-            "says a first event at 7 us and a last at 7 us, and the file has a first event at 8 us",
+            "says a first event at 7 us and a last at 7 us, but the file has a first event at 8 us",
         ),
     ];
     for (format, bytes, says) in cases {
