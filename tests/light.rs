@@ -858,7 +858,7 @@ fn gaps_and_scales_are_told() {
         let warning = Warning::scale(Samples::Integers, sixteen, Response::new(curve));
         let text = warning.unwrap().to_string();
         assert_eq!(text.contains("larger by the same factor"), grows, "{text}");
-        assert!(text.contains("more than 8 bits"), "{text}");
+        assert!(text.contains("light beyond 255 is used as it is"), "{text}");
     }
     for (samples, extent) in [
         (Samples::Integers, (0.0, 255.0)),

@@ -472,7 +472,7 @@ def test_options_are_arguments() -> None:
         "give a contrast (`--upsample`, or `upsample` in a study) such": "give a contrast (upsample) such",
         "longer (--effort); --objective words compiles it as it is": "longer (effort)",
         "while events are read (--readout overlapped): a": "while events are read (overlapped=True): a",
-        "put frames in (--upsample), or --transfer srgb": 'put frames in (upsample), or transfer="srgb"',
+        "insert frames (--upsample), or --transfer srgb": 'insert frames (upsample), or transfer="srgb"',
         "a lower --threshold, or --objective exact": 'a lower thresholds, or objective="exact"',
         "help: take less, or allow more with --max-memory SIZE, such as --max-memory 5G\nx": "help: take less\nx",
         "whole scene; --verify measures them": "whole scene; verify=True measures them",
