@@ -1503,7 +1503,7 @@ mod verbs {
         }
         let (json, beside) = both(folder.path(), &["compare", "one.npz", "other.npz"]);
         assert!(about(&json).contains(&"names".to_owned()), "{json}");
-        let said = "the judged: kind 0 is `edge`, and `on` in the reference";
+        let said = "the judged: kind 0 is `edge`, but `on` in the reference";
         assert!(beside.contains(said), "{beside}");
         let (json, _) = both(folder.path(), &["compare", "one.npz", "one.npz"]);
         assert!(!about(&json).contains(&"names".to_owned()), "{json}");
@@ -1572,7 +1572,7 @@ mod verbs {
         };
         let (json, beside) = run("q8.8");
         assert_eq!(about(&json), ["saturation"]);
-        assert!(beside.contains("held in q8.8"), "{beside}");
+        assert!(beside.contains("the range of q8.8"), "{beside}");
         assert_eq!(about(&run("f64").0), Vec::<String>::new());
     }
 

@@ -451,7 +451,7 @@ fn solve_says_what_it_wrote_and_what_it_takes() {
     let here = folder.path();
     let said = refused(
         &[
-            "solve", "--lambda", "3", "--input", "bundled", "--output", "H.npy",
+            "solve", "--lambda", "3", "--input", "gone.png", "--output", "H.npy",
         ],
         here,
     );

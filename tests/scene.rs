@@ -347,12 +347,12 @@ const BAD: &[(&str, &str, &str)] = &[
     (
         "wrong_magic.y4m",
         "name says y4m video, but the content is something else",
-        "ending",
+        "rename the file",
     ),
     (
         "is_a_png.y4m",
         "name says y4m video, but the content is a PNG",
-        "ending",
+        "rename the file",
     ),
     ("zero_size.y4m", "0x2 have no pixels", "at least 1"),
     ("absurd_size.y4m", "larger than", "damaged"),

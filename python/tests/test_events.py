@@ -478,7 +478,7 @@ def test_a_rate_that_no_threshold_gives_is_warned_of() -> None:
     """Half of all pixels change by the same: either all of them fire, or none."""
     frames = np.full((6, 8, 8), 20, dtype=np.uint8)
     frames[1::2, :, :4] = 200
-    with pytest.warns(amacrine.Caution, match=r"no threshold gives 5 events .* is the nearest"):
+    with pytest.warns(amacrine.Caution, match=r"no threshold gives 5 events .* the nearest rate is"):
         amacrine.Sensor("dvs", 0.1).for_rate(frames, 30, 5)
 
 
