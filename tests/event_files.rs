@@ -270,7 +270,7 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
         &with(|p| p.size.height = 3),
         "off the sensor, which is 6x3",
     );
-    refused("a.csv", &with(|p| p.events[0].channel = 1), "of channel 1");
+    refused("a.csv", &with(|p| p.events[0].channel = 1), "has channel 1");
     refused("a.csv", &with(|p| p.size.height = 70_000), "at most 65536");
     let nowhere = file::write(Path::new("Cargo.toml/a.csv"), &good).unwrap_err();
     assert!(matches!(nowhere, FileError::Save(_)));

@@ -2208,7 +2208,7 @@ fn text_is_written_elsewhere() {
         "",
         "std::string t = \"3\";\nif (memcmp(t.c_str(), \"3\", 1) == 0) { mov(A, B); }",
         2,
-        "`memcmp` decides",
+        "depends on `memcmp`",
         "only the C++ that docs/vendor-code.md lists",
     );
     // No register goes where it is not known what is done with it.

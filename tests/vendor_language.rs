@@ -656,7 +656,7 @@ g(F::X); g(5); F y = F::Y; g(y); g((int)y); l(P); l(F::X); l(e); m(P); m(2);",
     );
     for unclear in ["f((E)3)", "H h; f(h.e)", "auto a = E(3); f(a)"] {
         let text = format!("{before}\nint main() {{ {unclear}; }}");
-        told(&text, 11, "the call of `f` is ambiguous", "convert");
+        told(&text, 11, "the call of `f` is ambiguous", "cast the arguments");
     }
 }
 
@@ -1117,7 +1117,7 @@ fn what_texts_do_not_take_is_refused() {
         (
             "int k = 1;\nchar a[3] = \"abc\"; scamp5_in(A, a[0]);",
             "4 characters with the terminating 0, but there is room for 3",
-            "fewer",
+            "no more values",
         ),
         (
             "std::string s = \"ab\";\ns.swap_ranges(1); scamp5_in(A, 1);",

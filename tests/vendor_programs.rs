@@ -190,7 +190,7 @@ fn values_for_the_array_are_passed_with_a_sign() {
     warned(text, "C++ passes -56 instead of 200");
     let text = "int main() { scamp5_in(A, 0xffffffffffffffff); std::string s = std::to_string(18446744073709551615ULL); scamp5_in(B, s.size()); }";
     numbers_of(expand(text), &[-1, 20], text);
-    warned(text, "C++ makes -1 of 18446744073709551615");
+    warned(text, "C++ passes -1 instead of 18446744073709551615");
 }
 
 /// What is read or shown in an included file is told with that file and its line there.

@@ -251,7 +251,7 @@ pub enum CompileError {
         "the chip's errors hide the kernel: the best program found has a correlation of {correlation:.2} with the exact filter at its best input, {offset:.0} LSB of constant errors and {noise:.1} LSB of noise"
     )]
     #[diagnostic(help(
-        "fewer words make fewer errors: take fewer digits (--to int-4, po2-2), a smaller kernel, or search longer (--effort); --objective words compiles it as it is"
+        "fewer words make fewer errors: use fewer digits (--to int-4, po2-2), a smaller kernel, or search longer (--effort); --objective words compiles it as it is"
     ))]
     Nothing {
         /// The predicted correlation.
@@ -289,7 +289,7 @@ impl CompileError {
             words,
             room,
             chip: device.name().to_owned(),
-            advice: "take fewer digits (--to), or a chip with a larger store (--chip)".to_owned(),
+            advice: "use fewer digits (--to), or a chip with a larger store (--chip)".to_owned(),
         })
     }
 

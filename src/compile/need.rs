@@ -135,7 +135,7 @@ pub(super) fn advice(
                 .join("; or ")
         }
         CompileError::Store { .. } => {
-            "search longer (--effort), or take fewer digits (--to)".to_owned()
+            "search longer (--effort), or use fewer digits (--to)".to_owned()
         }
         _ => String::new(),
     };
