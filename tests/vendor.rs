@@ -2676,7 +2676,7 @@ fn types_that_nothing_defines_take_no_registers() {
         "foo neg(1, 2);",
         1,
         "`neg` is a statement of the chip",
-        "another name",
+        "rename the variable",
     );
     whole(
         "struct P { int a; int b; }; enum E { X, Y };\nint main() { P p{1, 2}; E e(Y); std::ofstream f(\"x\"); std::list<areg_t> l{A, B}; std::set<int> s(f, 3); int all(4); scamp5_in(A, p.b + e + all); }",
