@@ -656,7 +656,12 @@ g(F::X); g(5); F y = F::Y; g(y); g((int)y); l(P); l(F::X); l(e); m(P); m(2);",
     );
     for unclear in ["f((E)3)", "H h; f(h.e)", "auto a = E(3); f(a)"] {
         let text = format!("{before}\nint main() {{ {unclear}; }}");
-        told(&text, 11, "the call of `f` is ambiguous", "cast the arguments");
+        told(
+            &text,
+            11,
+            "the call of `f` is ambiguous",
+            "cast the arguments",
+        );
     }
 }
 
