@@ -532,7 +532,7 @@ def test_numbers_that_have_their_scale_are_not_scaled_twice(tmp_path: Path) -> N
         data[0]
     # In the words of a run, of this video; a loader's own lines are not the caller's.
     said = f"{tmp_path / 'clip.npy'}: light goes up to 51000, but the sensor takes 0 to 255: "
-    assert str(told[0].message).startswith(said) and "give scale with" in str(told[0].message)
+    assert str(told[0].message).startswith(said) and "give scale as" in str(told[0].message)
     with pytest.warns(amacrine.Caution) as told:
         data = EventDataset(tmp_path, frames=4, scale=255, fps=60)
         [*torch.utils.data.DataLoader(data, collate_fn=list)]
