@@ -10,16 +10,21 @@ its shard is tried again and goes on where it was.
 
 import argparse
 import subprocess
+import time
 from pathlib import Path
 
 from dask.distributed import Client, LocalCluster, as_completed
 
 
 def shard(program, study, output, index, count):
-    """Computes one shard; what the program said."""
+    """Computes one shard; what the program said. A worker that dies leaves its program running, which
+    is waited for."""
     command = [program, "sweep", study, "--output", f"{output}/shard-{index}"]
     command += ["--shard", f"{index}/{count}", "--jobs", "1", "--json"]
     done = subprocess.run(command, capture_output=True, text=True)
+    while "in use by another amacrine" in done.stderr:
+        time.sleep(5)
+        done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(done.stderr)
     return done.stdout

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -34,8 +36,27 @@ def _caller() -> tuple[FrameType, int]:
     return frame, level
 
 
+_COLLECTED: ContextVar[list[str] | None] = ContextVar("_COLLECTED", default=None)
+
+
+@contextmanager
+def collected() -> Iterator[list[str]]:
+    """Cautions of this thread go to a list and to nobody else. ``warnings.catch_warnings`` is of all
+    threads at once: of two that leave it in another order its filters stay."""
+    texts: list[str] = []
+    before = _COLLECTED.set(texts)
+    try:
+        yield texts
+    finally:
+        _COLLECTED.reset(before)
+
+
 def caution(text: str, kind: type[Warning] = Caution) -> None:
     """Warns of it at the line that called this package."""
+    texts = _COLLECTED.get()
+    if texts is not None and issubclass(kind, Caution):
+        texts.append(text)
+        return
     warnings.warn(text, kind, stacklevel=_caller()[1])
 
 

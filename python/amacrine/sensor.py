@@ -9,7 +9,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from threading import Lock
 from typing import Any, TypeVar, Union
 
 import numpy as np
@@ -347,17 +346,15 @@ class Stream:
         self.fps = arguments.rate(fps)
         """Frames per second."""
         self._run: _amacrine.Run | None = None
-        self._first = Lock()
+        self._turn = _amacrine.Turn()
         self._told: set[str] = set()
 
     def _next(self, frames: Any) -> tuple[_amacrine.Run, npt.NDArray[Any]]:
         given = clips(frames, self._scale)
         if given.batched:
             raise Error("a stream is of one clip\nhelp: give an array of shape (T,H,W)")
-        # Of several threads one begins it.
-        with self._first:
-            if self._run is None:
-                self._run = self._sensor._watch(given.size, self.fps, given.scale)
+        if self._run is None:
+            self._run = self._sensor._watch(given.size, self.fps, given.scale)
         return self._run, given.clip(0)
 
     def _caution(self, *, over: bool = False) -> None:
@@ -373,9 +370,8 @@ class Stream:
 
     def events(self, frames: Any) -> NamedEvents:
         """The events of the next frames."""
-        events = self._events(frames)
-        self._caution()
-        return events
+        with self._turn:
+            return self._events(frames)
 
     def _events(self, frames: Any) -> NamedEvents:
         run, clip = self._next(frames)
@@ -385,23 +381,23 @@ class Stream:
         events = view(run.events(clip, None, None), kinds)
         span = begin / self.fps, max(run.seen - 1, 0) / self.fps
         dropped = {why: count - before[why] for why, count in run.dropped.items()}
+        self._caution()
         return named(events, self._sensor._called, size, kinds, span, dropped)
 
     def counts(self, frames: Any) -> npt.NDArray[np.int32]:
         """The counts of the next frames, (n,K,H,W), one less of the very first."""
-        run, clip = self._next(frames)
-        pairs = len(clip) - (run.seen == 0)
-        out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
-        run.counts(clip, None, out.reshape(-1))
-        self._caution()
-        return out
+        with self._turn:
+            run, clip = self._next(frames)
+            pairs = len(clip) - (run.seen == 0)
+            out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
+            run.counts(clip, None, out.reshape(-1))
+            self._caution()
+            return out
 
     def each(self, parts: Iterable[Any]) -> Iterator[NamedEvents]:
         """The events of each part, and a :class:`Caution` at the end where there was none at all."""
         for part in arguments.parts(parts):
-            events = self._events(part)
-            self._caution()
-            yield events
+            yield self.events(part)
         self._caution(over=True)
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import math
+import time
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -109,7 +110,8 @@ def sweep(
         client: A ``dask.distributed.Client``: each task is a shard, in a folder of its own
             (``output/shard-0``, …), and all are joined in ``output/all``. The folder must be one that
             all workers see. A shard whose worker is lost is tried again and goes on where it was.
-        shards: Tasks with a client; four for each worker where it is left out.
+        shards: Tasks with a client; where it is left out, as many as the folder was begun with, or
+            four for each worker. Another number would compute finished points again, and is refused.
         jobs: Points at a time without a client, each on one thread; as many as there are cores where it
             is left out.
         max_seconds_per_point: Gives a point up when a sensor takes longer to watch its scene.
@@ -136,12 +138,12 @@ def sweep(
         return Sweep(path, told)
     if jobs is not None:
         raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
-    if shards is None:
-        count = 4 * max(len(client.scheduler_info()["workers"]), 1)
-    else:
-        count = arguments.whole("shards", shards, 1)
     path = path.absolute()
     path.mkdir(parents=True, exist_ok=True)
+    count = _count(path, client, shards)
+    # The last one first: its number tells how many there are, whenever this is stopped.
+    for n in reversed(range(count)):
+        (path / f"shard-{n}").mkdir(exist_ok=True)
     tasks = [
         client.submit(
             _shard, given, sets, path, (n, count), longest, retries=2, pure=False
@@ -163,6 +165,21 @@ def sweep(
     return Sweep(path / "all", told)
 
 
+def _count(path: Path, client: Any, shards: int | None) -> int:
+    """How many shards there are: as many as the folder was begun with."""
+    numbers = [one.name.removeprefix("shard-") for one in path.glob("shard-*")]
+    begun = max((int(number) + 1 for number in numbers if number.isdecimal()), default=None)
+    if shards is not None:
+        asked = arguments.whole("shards", shards, 1)
+        if begun not in (None, asked):
+            raise Error(
+                f"shards = {asked}, and {path} was begun with {begun}: finished points would be "
+                "computed again\nhelp: leave shards out, or give another output"
+            )
+        return asked
+    return begun or 4 * max(len(client.scheduler_info()["workers"]), 1)
+
+
 def _caution(told: list[str], set_aside: list[str | None]) -> None:
     """Warns the caller of :func:`sweep` of what it warns of, once of each thing, and of the files that
     it has set aside."""
@@ -180,10 +197,16 @@ def _shard(
     part: tuple[int, int],
     seconds: float | None,
 ) -> str:
-    """One shard, on a worker."""
+    """One shard, on a worker. Where a task that was given up still computes it, it is waited for."""
     index, count = part
     output = path / f"shard-{index}"
-    return _amacrine.sweep(study, [*sets], output, f"{index}/{count}", 1, seconds)
+    while True:
+        try:
+            return _amacrine.sweep(study, [*sets], output, f"{index}/{count}", 1, seconds)
+        except Error as error:
+            if "in use by another amacrine" not in str(error):
+                raise
+            time.sleep(5)
 
 
 def _longest(given: Any) -> float:

@@ -28,6 +28,7 @@ mod stop;
 mod study;
 mod sweep;
 mod tensor;
+mod turn;
 mod watcher;
 
 use amacrine::{
@@ -66,6 +67,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;
     module.add_class::<stop::Halt>()?;
+    module.add_class::<turn::Turn>()?;
     module.add_class::<program::Program>()?;
     module.add_class::<gradient::Seen>()?;
     module.add_class::<events::Events>()?;

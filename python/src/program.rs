@@ -240,8 +240,11 @@ impl Program {
             done.map_err(|report: Report| raised(report))?;
             py.check_signals()?;
         }
-        let mut bytes = Vec::new();
-        record::append(&packet.events, packet.channels, &mut bytes);
+        let bytes = pool::work(py, || {
+            let mut bytes = Vec::new();
+            record::append(&packet.events, packet.channels, &mut bytes);
+            bytes
+        })?;
         let last = PyDict::new(py);
         for register in registers {
             let name = register.name(&self.device);

@@ -2,10 +2,7 @@
 
 use std::{
     collections::BTreeMap,
-    sync::{
-        Mutex, PoisonError,
-        atomic::{AtomicBool, Ordering},
-    },
+    sync::{Mutex, PoisonError},
     time::Instant,
 };
 
@@ -35,21 +32,11 @@ use crate::{
     watcher::Watcher,
 };
 
-/// A sensor that watches a clip, part by part; times go on from part to part.
+/// A sensor that watches a clip, part by part; times go on from part to part. One thread at a time may
+/// show it frames, of which its caller takes care.
 #[pyclass(frozen, module = "amacrine._amacrine")]
 pub struct Run {
     watch: Mutex<Watch>,
-    /// Whether a thread shows it frames.
-    is_taken: AtomicBool,
-}
-
-/// What a thread holds that shows frames.
-struct Turn<'a>(&'a AtomicBool);
-
-impl Drop for Turn<'_> {
-    fn drop(&mut self) {
-        self.0.store(false, Ordering::Release);
-    }
 }
 
 struct Watch {
@@ -108,29 +95,16 @@ impl Run {
             is_stopped: false,
             halt: Halt::default(),
         });
-        let is_taken = AtomicBool::new(false);
-        Ok(Self { watch, is_taken })
+        Ok(Self { watch })
     }
 
     fn with<T>(&self, what: impl FnOnce(&mut Watch) -> T) -> T {
         what(&mut self.watch.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Refuses a second thread: which of the frames come first, nobody has said.
-    fn turn(&self) -> PyResult<Turn<'_>> {
-        if self.is_taken.swap(true, Ordering::Acquire) {
-            return Err(refused(
-                "another thread is in this stream: frames come one after the other",
-                "call it from one thread at a time, or give each thread a stream of its own",
-            ));
-        }
-        Ok(Turn(&self.is_taken))
-    }
-
     /// Takes frames, all of them or no more at all: whatever ends it early, the frames that were seen
     /// are lost, and nothing more may follow them.
     fn whole(&self, take: impl FnOnce() -> PyResult<()>) -> PyResult<()> {
-        let _turn = self.turn()?;
         self.with(|watch| {
             if watch.is_stopped {
                 return Err(refused(
@@ -339,7 +313,7 @@ impl Run {
         self.play_with(py, frames, contrast, |watch, n| {
             let place = if begun { Some(n) } else { n.checked_sub(1) };
             let place = match place {
-                Some(n) => Some(out.get_mut(n * each..(n + 1) * each).ok_or_else(between)?),
+                Some(n) => Some(out.get_mut(n * each..(n + 1) * each).ok_or_else(no_room)?),
                 None => None,
             };
             let Watch { watcher, frame, .. } = watch;
@@ -464,11 +438,10 @@ impl Watch {
     }
 }
 
-/// There is no room for the counts of all these frames: they are not the first, as the caller thought.
-fn between() -> SensorError {
+fn no_room() -> SensorError {
     SensorError::Stopped {
         sensor: "the stream".to_owned(),
-        why: "another thread has shown it frames meanwhile".to_owned(),
+        why: "the output has no room for the counts of all these frames".to_owned(),
     }
 }
 

@@ -98,9 +98,9 @@ impl Stream {
     }
 
     /// The windows that are left of a clip that ends at `end`, in microseconds.
-    fn rest<'py>(&self, py: Python<'py>, end: u64) -> Vec<Bound<'py, PyArray1<f32>>> {
-        let left = self.with(|stream| stream.rest(Micros(end)));
-        arrays(py, left)
+    fn rest<'py>(&self, py: Python<'py>, end: u64) -> PyResult<Vec<Bound<'py, PyArray1<f32>>>> {
+        let left = pool::work(py, || self.with(|stream| stream.rest(Micros(end))))?;
+        Ok(arrays(py, left))
     }
 }
 

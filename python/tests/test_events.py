@@ -263,13 +263,25 @@ def _count(frames: Frames) -> int:
     return len(amacrine.Sensor("csdvs-5", 0.1).events(np.tile(frames, (1, 3, 3)), FPS))
 
 
-@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-def test_a_fork_has_threads_of_its_own(frames: Frames) -> None:
+def _norms(frames: Frames) -> float:
+    sensor = amacrine.Sensor(["dvs", "csdvs-5"], 0.1)
+    return float(np.abs(sensor.voxels(frames, FPS, bins=3, normalise="std")).sum())
+
+
+def _run(frames: Frames) -> int:
+    program = amacrine.Program.from_file("dvs/snap")
+    return len(program.run(np.tile(frames, (1, 9, 9)), FPS, domain="exact", clip=True).events)
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning", "ignore::amacrine.Caution")
+@pytest.mark.parametrize("made", [_count, _norms, _run])
+def test_a_fork_has_threads_of_its_own(frames: Frames, made: Callable[[Frames], Any]) -> None:
     """The workers of a data loader are forks: a pool that was there before has no threads in
     them."""
-    want = _count(frames)
+    want = made(frames)
+    assert want > 0
     with multiprocessing.get_context("fork").Pool(2) as pool:
-        assert pool.map_async(_count, [frames] * 4).get(timeout=60) == [want] * 4
+        assert pool.map_async(made, [frames] * 4).get(timeout=60) == [want] * 4
 
 
 def test_a_stream_goes_on(frames: Frames) -> None:
@@ -571,6 +583,36 @@ def test_channels_are_counted_by_numpy() -> None:
     with pytest.raises(amacrine.Error, match="channels = 3, and there are events of channel 3"):
         amacrine.events.kinds_of(events, 3)
     assert amacrine.events.kinds_of(events[:0], 1) == 1
+
+
+@pytest.mark.filterwarnings("ignore::amacrine.Caution")
+@pytest.mark.parametrize("how", ["events", "counts"])
+def test_who_comes_while_another_is_in_a_stream_changes_nothing(how: str) -> None:
+    """Wherever the other is: here its frames are just being read."""
+    few = np.random.default_rng(0).integers(0, 255, (4, 16, 16), dtype=np.uint8)
+    sensor = amacrine.Sensor("dvs", 0.3)
+    stream = sensor.stream(FPS)
+    wrong: list[str] = []
+
+    def show() -> None:
+        try:
+            getattr(stream, how)(few)
+        except amacrine.Error as error:
+            wrong.append(str(error))
+
+    class Frames:
+        def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+            thread = threading.Thread(target=show)
+            thread.start()
+            thread.join()
+            return few
+
+    got = getattr(stream, how)(Frames())
+    assert len(wrong) == 1 and wrong[0].startswith("another thread is in this stream")
+    assert stream.seen == len(few)
+    alone = sensor.stream(FPS)
+    assert np.array_equal(got, getattr(alone, how)(few))
+    assert np.array_equal(getattr(stream, how)(few), getattr(alone, how)(few))
 
 
 @pytest.mark.filterwarnings("ignore::amacrine.Caution")

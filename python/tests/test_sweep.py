@@ -249,7 +249,9 @@ def test_on_a_cluster(study: Path, tmp_path: Path) -> None:
         swept = amacrine.sweep(study, tmp_path / "dask", client=client, shards=3)
         assert swept.folder == tmp_path / "dask/all" and swept.computed == 9
         assert _rows(swept.folder) == _rows(tmp_path / "alone")
-        again = amacrine.sweep(study, tmp_path / "dask", client=client, shards=2)
-        assert len(again) == 9
+        again = amacrine.sweep(study, tmp_path / "dask", client=client)
+        assert len(again) == 9 and again.computed == 0
+        with pytest.raises(amacrine.Error, match="was begun with 3: .*computed again"):
+            amacrine.sweep(study, tmp_path / "dask", client=client, shards=2)
         with pytest.raises(amacrine.Error, match="jobs with a client"):
             amacrine.sweep(study, tmp_path / "x", client=client, jobs=2)

@@ -8,6 +8,7 @@ import io
 import pickle
 import warnings
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -559,6 +560,19 @@ def test_videos_that_have_not_as_many_windows_are_told_at_once(tmp_path: Path) -
             assert len(next(iter(loader))["voxels"]) == 4
         # As many windows at either rate.
         EventDataset([tmp_path / "a.y4m", tmp_path / "d.y4m"], frames=8, voxels=windows)
+
+
+def test_threads_that_share_a_data_set_hide_no_warning_of_others(videos: Path) -> None:
+    """Filters of `warnings` are those of all threads: two that put them back in another order than they
+    took them would leave theirs."""
+    data, want = _dataset(videos), [*_dataset(videos)]
+    filters = list(warnings.filters)
+    with ThreadPoolExecutor(4) as pool:
+        got = list(pool.map(data.__getitem__, [*range(len(data))] * 4))
+    assert all(_equal(one, want[n % len(want)]) for n, one in enumerate(got))
+    assert warnings.filters == filters
+    again = pickle.loads(pickle.dumps(data))
+    assert _equal(again[1], want[1])
 
 
 def test_types_of_torch_are_types_of_voxels(videos: Path) -> None:

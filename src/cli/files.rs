@@ -30,6 +30,7 @@ use crate::{
     isa::Device,
     picture::{Drawing, raster, unknown_letters, write_png, write_svg},
     save::{self, OutputKind, SaveError},
+    scene,
     unit::counted,
 };
 
@@ -401,6 +402,18 @@ static FILES: Mutex<Files> = Mutex::new(Files {
     written: Vec::new(),
 });
 
+/// Files that this command was to write and has not: what stands there is what stood there before.
+pub(super) fn unwritten() -> Vec<String> {
+    let files = files();
+    let missing = files.written.iter().filter(|(path, id)| {
+        let is_file = matches!(save::output_kind(path), Ok(OutputKind::File { .. }));
+        is_file && Id::of_written(path).is_ok_and(|now| now == *id)
+    });
+    missing
+        .map(|(path, _)| path.display().to_string())
+        .collect()
+}
+
 fn files() -> MutexGuard<'static, Files> {
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -408,7 +421,7 @@ fn files() -> MutexGuard<'static, Files> {
 impl Files {
     /// Notes a file that is read, or each of a folder's.
     fn read(&mut self, path: &Path) -> miette::Result<()> {
-        if let Some(image) = path.to_str().and_then(image_of_pattern) {
+        if let Some(image) = path.to_str().and_then(scene::image_of_pattern) {
             return self.read_file(Path::new(image));
         }
         if let Ok(entries) = fs::read_dir(path) {
@@ -575,12 +588,6 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
         }
     }
     Ok(())
-}
-
-/// The picture that a pattern shows, where it names one: `pattern:pan?image=FILE`.
-fn image_of_pattern(name: &str) -> Option<&str> {
-    let (_, keys) = name.strip_prefix("pattern:")?.split_once('?')?;
-    keys.split('&').find_map(|key| key.strip_prefix("image="))
 }
 
 /// Refuses a picture, or a folder of them, in the folder of pictures that is the scene: it would be

@@ -12,6 +12,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use miette::{Diagnostic, MietteHandlerOpts, ReportHandler, miette};
 use textwrap::{WordSeparator, WordSplitter};
 
+use super::files;
 use crate::{config::nearest, save, told::Told};
 
 /// Whether an output goes to standard output, and what is said beside it.
@@ -80,11 +81,27 @@ pub(super) fn complain(text: &str) {
 pub(super) fn failed(report: &miette::Report) -> ExitCode {
     if let Some(Ended(code)) = report.downcast_ref() {
         save::remove_all();
-        return ExitCode::from(*code);
+        return ended(*code);
     }
     if save::reader_is_gone() {
-        return ExitCode::SUCCESS;
+        return ended(0);
     }
+    complain(&format!("{report:?}\n"));
+    ExitCode::from(2)
+}
+
+/// The exit code of what ended early since nobody takes an output: files that it was to write as well
+/// are no success.
+fn ended(code: u8) -> ExitCode {
+    let missing = files::unwritten();
+    if code != 0 || missing.is_empty() {
+        return ExitCode::from(code);
+    }
+    let report = miette!(
+        help = "read all of the output, or write it to a file",
+        "{}: not written, since the reader of another output has gone",
+        missing.join(", ")
+    );
     complain(&format!("{report:?}\n"));
     ExitCode::from(2)
 }

@@ -74,7 +74,7 @@ pub use error::SceneError;
 pub use frame::{Frame, Gap, Outline, Scene};
 pub use image::{Coded, Codes, Image, Levels};
 pub use observed::{Observation, Observed};
-pub use open::{Reopen, open};
+pub use open::{Reopen, image_of_pattern, open};
 pub use options::OpenOptions;
 pub use rate::{ASSUMED_FPS, check_rate};
 pub use repeats::Repeated;

@@ -40,6 +40,13 @@ pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneEr
     shown(options.view, whole(spec, options)?)
 }
 
+/// The picture that a pattern shows, where it names one: `pattern:pan?image=FILE`.
+#[must_use]
+pub fn image_of_pattern(spec: &str) -> Option<&str> {
+    let (_, keys) = spec.strip_prefix("pattern:")?.split_once('?')?;
+    keys.split('&').find_map(|key| key.strip_prefix("image="))
+}
+
 /// All of it.
 fn whole(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
     let asked = options.fps;

@@ -12,7 +12,7 @@ use super::error::TrainError;
 /// # Errors
 /// When it cannot be written.
 pub fn kernel(path: &Path, weights: &Plane<f64>) -> Result<(), TrainError> {
-    save::save(path, |out| {
+    save::save_durably(path, |out| {
         weights.write_npy(out).map_err(std::io::Error::other)
     })?;
     Ok(())
@@ -29,7 +29,7 @@ pub fn sensor(
 ) -> Result<(), TrainError> {
     let text = sensor_text(sensor, source);
     let text = beside(&text, "source = ", ("# ", remarks));
-    save::save(path, |out| out.write_all(text.as_bytes()))?;
+    save::save_durably(path, |out| out.write_all(text.as_bytes()))?;
     Ok(())
 }
 

@@ -353,7 +353,7 @@ impl Trainee<'_> {
         (place, source): (&Path, &str),
     ) -> Result<(), TrainError> {
         let text = export::program_text(&built.text(lsb), remarks);
-        save::save(&place.join("program.scamp"), |out| {
+        save::save_durably(&place.join("program.scamp"), |out| {
             out.write_all(text.as_bytes())
         })?;
         let design = built.design(built.threshold(lsb));

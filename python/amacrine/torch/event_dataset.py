@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import inspect
 import math
-import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from threading import Lock
 from typing import Any, TypedDict
 
 import numpy as np
@@ -16,7 +16,7 @@ import torch
 
 from .. import _amacrine, arguments
 from .._amacrine import Error
-from ..caution import Caution, Place
+from ..caution import Place, collected
 from ..frames import load
 from ..kernels import Kernels
 from ..sensor import EventSensor, Sensor
@@ -178,8 +178,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
     def _try(self, sensor: EventSensor, rate: float) -> int:
         """Tells which voxels it does not make; else of how many windows they are."""
         still = np.zeros((self._frames, 16, 16), np.uint8)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Caution)
+        with collected():
             return len(sensor.voxels(still, rate, **self._voxels))
 
     def _check_windows(self) -> None:
@@ -189,9 +188,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             return
         rates: dict[float, str] = {}
         for video in self.videos:
-            with warnings.catch_warnings():
-                # They are told where its items are asked for.
-                warnings.simplefilter("ignore", Caution)
+            # Cautions are told where its items are asked for.
+            with collected():
                 _, rate = load(video, frames=2, scale=self._scale)
             rates.setdefault(rate, video)
         first: dict[int, float] = {}
@@ -216,13 +214,11 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             if to is None or (kernels, to, chip) in tried:
                 continue
             tried.add((kernels, to, chip))
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", Caution)
+            with collected() as texts:
                 self._made[number] = self._make(number)
             if len(tried) == 1:
                 self._try(self._made[number], self._fps or 30.0)
-            for caution in caught:
-                text = str(caution.message)
+            for text in texts:
                 if text not in told:
                     told.add(text)
                     self._place.caution(text)
@@ -236,10 +232,18 @@ class EventDataset(torch.utils.data.Dataset[Item]):
     def _forget(self) -> None:
         self._clips: OrderedDict[int, tuple[npt.NDArray[Any], float]] = OrderedDict()
         self._made: dict[int, EventSensor] = {}
+        # Of the clips that are kept.
+        self._lock = Lock()
 
     def __getstate__(self) -> dict[str, Any]:
         # A worker reads its own; programs that were found already go with it.
-        return {**self.__dict__, "_clips": OrderedDict()}
+        state = {**self.__dict__, "_clips": OrderedDict()}
+        del state["_lock"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._lock = Lock()
 
     def __len__(self) -> int:
         return len(self.videos) if self._length is None else self._length
@@ -257,9 +261,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if not 0 <= number < self._sensors:
             raise Error(f"there is no sensor {number}\nhelp: give 0 to {self._sensors - 1}")
         if number not in self._made:
-            with warnings.catch_warnings():
-                # They are in its notes, and were told of the first sensor that is made so.
-                warnings.simplefilter("ignore", Caution)
+            # Cautions are in its notes, and were told of the first sensor that is made so.
+            with collected():
                 self._made[number] = self._make(number)
         return self._made[number]
 
@@ -287,13 +290,12 @@ class EventDataset(torch.utils.data.Dataset[Item]):
 
     def _clip(self, video: int) -> tuple[npt.NDArray[Any], float]:
         """Light (T,H,W) of a whole video, and its frames per second."""
-        if video in self._clips:
-            self._clips.move_to_end(video)
-            return self._clips[video]
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", Caution)
+        with self._lock:
+            if video in self._clips:
+                self._clips.move_to_end(video)
+                return self._clips[video]
+        with collected() as cautions:
             clip, fps = load(self.videos[video], fps=self._fps, scale=self._scale)
-        cautions = [str(caution.message) for caution in caught]
         if clip.dtype != np.uint8:
             clip = clip.astype(np.float32)
         if clip.size > 0 and (clip.dtype != np.uint8 or self._scale is not None):
@@ -302,11 +304,12 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             cautions += [] if of_light is None else [of_light]
         for text in cautions:
             self._place.caution(text)
-        self._clips[video] = clip, fps
-        while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
-            if len(self._clips) == 1:
-                break
-            self._clips.popitem(last=False)
+        with self._lock:
+            self._clips[video] = clip, fps
+            while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
+                if len(self._clips) == 1:
+                    break
+                self._clips.popitem(last=False)
         return clip, fps
 
     def __getitem__(self, index: int) -> Item:
@@ -341,9 +344,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         seed = int(self._draw(_SEED, index) * (1 << 53))
         scale = None if part.dtype == np.uint8 else 1.0
         sensor = self.sensor(number)._reseeded(seed)
-        with warnings.catch_warnings():
-            # A part of a video in which nothing moves is no mistake.
-            warnings.simplefilter("ignore", Caution)
+        # A part of a video in which nothing moves is no mistake.
+        with collected():
             try:
                 voxels = sensor.voxels(part, fps, scale=scale, **self._voxels)
             except Error as cause:

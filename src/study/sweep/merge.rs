@@ -33,10 +33,11 @@ pub fn merge(folders: &[PathBuf], into: &Path, parquet: bool) -> Kept<(Manifest,
         Manifest::read(other)?.check_same(other, &manifest)?;
     }
     let mut read = Vec::new();
-    // What is there already is judged with the others.
-    let there = manifest::file(into).symlink_metadata().is_ok();
-    if there {
+    // What is there already is judged with the others; nobody adds to it meanwhile.
+    let mut there = None;
+    if manifest::file(into).symlink_metadata().is_ok() {
         Manifest::read(into)?.check_same(into, &manifest)?;
+        there = Some(Store::open(into, &manifest)?);
         read.push((into, held(into, &manifest)?));
     }
     for folder in &folders {
@@ -50,7 +51,10 @@ pub fn merge(folders: &[PathBuf], into: &Path, parquet: bool) -> Kept<(Manifest,
         return Err(StoreError::Points { damaged });
     }
     let joined = joined(&manifest, &read)?;
-    let store = Store::open(into, &manifest)?;
+    let store = match there {
+        Some(store) => store,
+        None => Store::open(into, &manifest)?,
+    };
     for (id, (folder, record)) in &joined {
         if *folder != into {
             store.keep(id, record)?;

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, UNIX_EPOCH},
 };
 
-use crate::scene::SceneError;
+use crate::scene::{SceneError, image_of_pattern};
 
 /// What tells the files of a scene from others in their places.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -27,10 +27,12 @@ impl Stamp {
     /// Of a scene under the name that it is opened by; nothing where that is no file. What cannot
     /// be looked at is as if it were not there: opening it says why.
     pub fn of(spec: &str) -> Self {
-        if spec == "bundled" || spec.starts_with("pattern:") {
-            return Self::default();
-        }
-        let path = PathBuf::from(spec);
+        let path = match image_of_pattern(spec) {
+            Some(image) => image,
+            None if spec == "bundled" || spec.starts_with("pattern:") => return Self::default(),
+            None => spec,
+        };
+        let path = PathBuf::from(path);
         let files: Vec<PathBuf> = match fs::read_dir(&path) {
             Ok(entries) => { entries.flatten().map(|entry| entry.path()) }
                 .filter(|path| !is_hidden(path))
@@ -135,6 +137,18 @@ mod tests {
         assert_eq!(changed(&stamp, &clip), None);
         fs::remove_file(clip.join("0.pgm")).unwrap();
         assert_eq!(changed(&stamp, &clip), Some(clip.join("0.pgm")));
+    }
+
+    #[test]
+    fn a_pattern_is_the_picture_that_it_shows() {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = folder.path().join("still.pgm");
+        fs::write(&picture, "light").unwrap();
+        let spec = format!("pattern:pan?frames=9&image={}&speed=3", picture.display());
+        let stamp = Stamp::of(&spec);
+        assert_eq!(changed(&stamp, Path::new(&spec)), None);
+        fs::write(&picture, "lights").unwrap();
+        assert_eq!(changed(&stamp, Path::new(&spec)).as_ref(), Some(&picture));
     }
 
     #[test]

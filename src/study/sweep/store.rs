@@ -41,7 +41,14 @@ pub struct Store {
     indices: HashMap<String, usize>,
     ledger: File,
     /// Held as long as it is open.
-    _lock: File,
+    lock: File,
+}
+
+impl Drop for Store {
+    fn drop(&mut self) {
+        // A fork of this process may have the file open, too.
+        let _ = self.lock.unlock();
+    }
 }
 
 /// What a folder holds of its study.
@@ -146,7 +153,7 @@ impl Store {
             manifest: manifest.clone(),
             indices: indices.map(|(id, index)| (id.to_owned(), index)).collect(),
             ledger,
-            _lock: lock,
+            lock,
         })
     }
 
