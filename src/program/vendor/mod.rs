@@ -6,91 +6,56 @@
 //! same that a program's own language has. The words mean what they mean there; only those
 //! that take in light are known here by name, for warnings.
 //!
-//! - [`token`] and [`preprocess`]: text to tokens; `#include`, `#define`, `#if`.
-//! - [`parse`], [`expression`]: tokens to the [`tree`].
-//! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
+//! - [`lexer`]: text to tokens; `#include`, `#define`, `#if`.
+//! - [`syntax`]: tokens to the tree.
+//! - [`analysis`]: what a text says without being run.
+//! - [`interpreter`]: the tree, run. [`Value::Unknown`](interpreter::value::Value::Unknown) is what
 //!   only the run of the program knows; nothing that changes the array may depend on it.
-//! - [`layout`], [`operator`], [`map`]: classes, their operators, and those of the language's library.
-//! - [`recorded`], [`reads`]: kernels, whose words are recorded and launched.
-//! - [`idle`]: kernels that nothing runs.
-//! - [`written`], [`walk`], [`look`]: what a text says without being run.
-//! - [`frames`]: the loop over the frames, its first iteration and its steady one.
-//! - [`beside`], [`memory`], [`post`]: the host runs beside the array instead, and decides by what
-//!   it reads.
-//! - [`host`], [`chip`]: what the vendor's library offers.
+//! - [`library`]: the language's own library; [`host`]: the vendor's.
+//! - [`frame`]: kernels, the loop over the frames, and the host that runs beside the array instead.
 //! - [`write`]: the other way, from a program to C++.
 //!
 //! Text whose statements end with their lines, as an open simulator takes it, is read as well.
 
-mod address;
-mod algorithm;
-mod ask;
-mod beside;
-mod call;
-mod chip;
-mod constant;
-mod declare;
-mod elementwise;
-mod elsewhere;
-mod entry;
-mod evaluate;
-mod expression;
-mod files;
-mod frames;
+mod analysis;
+mod frame;
 mod host;
-mod idle;
-mod includes;
-mod layout;
-mod light;
-mod look;
-mod loops;
-mod machine;
-mod map;
-mod memory;
-mod operator;
-mod parse;
-mod post;
-mod preprocess;
-mod prototype;
-mod reach;
-mod reads;
-mod recorded;
-mod run;
-mod scope;
-mod shape;
-mod string;
-mod text;
-mod token;
-mod tree;
-mod value;
-mod variable;
-mod walk;
-mod why;
+mod interpreter;
+mod lexer;
+mod library;
+mod syntax;
 mod write;
-mod written;
 
-pub(super) use beside::in_cpp;
-pub use beside::{Answer, Beside};
-pub use files::{Includes, Lying};
-pub use includes::{included, included_files};
-pub use write::{WriteError, cpp};
+pub(super) use self::frame::beside::in_cpp;
+pub use self::{
+    frame::beside::{Answer, Beside},
+    lexer::{
+        includes::{included, included_files},
+        source_map::{Includes, Lying},
+    },
+    write::{WriteError, cpp},
+};
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use self::{
-    ask::item,
-    beside::Companion,
-    files::Files,
-    machine::Machine,
-    tree::{Function, Stmt, StmtNode},
-};
-use super::{
-    Overrides,
-    syntax::{Item, Node},
+    analysis::{effects, unreachable},
+    frame::beside::Companion,
+    host::{chip, request::item},
+    interpreter::machine::Machine,
+    lexer::{preprocessor, source_map::Files},
+    syntax::{
+        parser,
+        tree::{Function, Stmt, StmtNode},
+    },
 };
 use crate::{
     config::{Fault, Place, Severity},
     isa::Device,
+    program::{
+        Overrides,
+        syntax::{Item, Node},
+    },
 };
 
 /// What a text becomes.
@@ -167,8 +132,8 @@ pub(super) fn has_its_words(items: &[Item]) -> bool {
 /// Whether a text parses, without running it.
 pub(super) fn parses(text: &str) -> bool {
     let mut files = Files::new("", text.len());
-    let read = preprocess::preprocess(text, &Includes::new(), &Overrides::new(), &mut files);
-    let said = parse::parse(&read.tokens, text.len());
+    let read = preprocessor::preprocess(text, &Includes::new(), &Overrides::new(), &mut files);
+    let said = parser::parse(&read.tokens, text.len());
     read.faults.is_empty() && said.faults.is_empty()
 }
 
@@ -180,8 +145,8 @@ pub(super) fn read(
     device: &Device,
 ) -> Read {
     let mut files = Files::new(file, text.len());
-    let first = preprocess::preprocess(text, includes, overrides, &mut files);
-    let said = parse::parse(&first.tokens, text.len());
+    let first = preprocessor::preprocess(text, includes, overrides, &mut files);
+    let said = parser::parse(&first.tokens, text.len());
     let mut machine = Machine::new(text, &files, device, overrides);
     machine.constants = first.numbers;
     machine.enumerations = said.enumerations;
@@ -192,7 +157,7 @@ pub(super) fn read(
     machine.faults.extend(said.words);
     run_file(&mut machine, &said.statements);
     if !broken && !machine.faults.iter().any(Fault::is_error) {
-        idle::tell(&mut machine, &said.statements);
+        unreachable::tell(&mut machine, &said.statements);
     }
     let items = laid_out(&mut machine, broken);
     let placed = |all: Vec<Fault>| all.into_iter().map(|it| files.fault(it)).collect();
@@ -216,13 +181,13 @@ pub(super) fn run(
     array: &mut dyn Beside,
 ) -> Vec<Fault> {
     let mut files = Files::new(file, text.len());
-    let first = preprocess::preprocess(text, includes, overrides, &mut files);
-    let parse::Said {
+    let first = preprocessor::preprocess(text, includes, overrides, &mut files);
+    let parser::Said {
         statements,
         faults,
         words,
         enumerations,
-    } = parse::parse(&first.tokens, text.len());
+    } = parser::parse(&first.tokens, text.len());
     let mut machine = Machine::new(text, &files, device, overrides);
     machine.enumerations = enumerations;
     machine.faults = [first.faults, faults, words].concat();
@@ -340,9 +305,9 @@ fn only_function(machine: &mut Machine<'_>) {
         .iter()
         .filter(|it| {
             !all.iter()
-                .any(|other| look::calls_function(other, &it.name))
+                .any(|other| effects::calls_function(other, &it.name))
         })
-        .filter(|it| it.body.iter().any(|part| look::changes(machine, part)))
+        .filter(|it| it.body.iter().any(|part| effects::changes(machine, part)))
         .cloned()
         .collect();
     if let [one] = &roots[..]
