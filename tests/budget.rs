@@ -444,7 +444,7 @@ fn a_pilot_holds_no_more_of_a_scene_than_it_may() {
     let case = ["exec", &snap, "--image", light, "--domain", "silicon"];
     let auto = |most: &str| {
         let more = ["--fidelity", "auto", "--max-memory", most];
-        let ran = amacrine(&[&case[..], &more].concat(), LONGEST);
+        let ran = amacrine(&[&case[..], &more].concat(), PATIENCE);
         assert_eq!(ran.code, Some(0), "{}", ran.errors);
         ran
     };

@@ -667,6 +667,29 @@ fn a_reader_that_has_gone_is_no_error() {
     assert!(files(&work).is_empty());
 }
 
+/// A script that goes on would take a file of another run for this one's.
+#[test]
+fn a_reader_that_has_gone_leaves_no_file_out_in_silence() {
+    let bench = Bench::new();
+    let work = bench.work();
+    let case = "run --scene ../in/clip.npy --sensor ../in/sensor.toml --events - --format csv --counts c.npy";
+    let case: Vec<&str> = case.split(' ').collect();
+    for before in [None, Some("of another run")] {
+        if let Some(before) = before {
+            fs::write(work.join("c.npy"), before).unwrap();
+        }
+        let (code, message) = unread(&work, &case);
+        let now = fs::read_to_string(work.join("c.npy")).ok();
+        assert_eq!(now.as_deref(), before);
+        assert_eq!(code, Some(2), "{message}");
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            message.contains("c.npy: not written, since the reader of another output has gone"),
+            "{message}"
+        );
+    }
+}
+
 #[test]
 fn what_cannot_be_printed_is_an_error() {
     let bench = Bench::new();

@@ -1015,13 +1015,18 @@ fn the_cluster_examples_run() {
         .current_dir(at)
         .status();
     assert!(dask.unwrap().success());
-    let ray = Process::new(&python)
-        .arg(root.join("ray_sweep.py"))
-        .args(["study.toml", "ray", "--shards", "3", "--program"])
-        .arg(&program)
-        .current_dir(at)
-        .status();
-    assert!(ray.unwrap().success());
+    // Its raylet has 30 seconds to start, which a busy machine may not give it.
+    let ray = || {
+        Process::new(&python)
+            .arg(root.join("ray_sweep.py"))
+            .args(["study.toml", "ray", "--shards", "3", "--program"])
+            .arg(&program)
+            .current_dir(at)
+            .status()
+            .unwrap()
+            .success()
+    };
+    assert!(ray() || ray());
     // A second run has nothing to do, and after a kill it goes on.
     for _ in 0..2 {
         let snakemake = Process::new(&python)

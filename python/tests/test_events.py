@@ -575,11 +575,15 @@ def test_channels_are_counted_by_numpy() -> None:
     """Python's own `max` over a column of a million takes as long as all the rest."""
     events = np.zeros(1_000_000, amacrine.EVENT_OF_KINDS)
     events["channel"][7] = 3
-    begin = time.process_time()
-    assert max(events["channel"]) == 3
-    middle = time.process_time()
+
+    def seconds(what: Callable[[], Any]) -> float:
+        begin = time.process_time()
+        what()
+        return time.process_time() - begin
+
+    plain = seconds(lambda: max(events["channel"]))
+    assert min(seconds(lambda: amacrine.events.kinds_of(events, 4)) for _ in range(3)) < plain / 4
     assert amacrine.events.kinds_of(events, 4) == 4
-    assert time.process_time() - middle < (middle - begin) / 4
     with pytest.raises(amacrine.Error, match="channels = 3, and there are events of channel 3"):
         amacrine.events.kinds_of(events, 3)
     assert amacrine.events.kinds_of(events[:0], 1) == 1

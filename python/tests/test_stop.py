@@ -18,7 +18,7 @@ sensor = amacrine.Sensor(["dog"] * 4, 0.02)
 """
 
 WORK = {
-    "one clip": "sensor.counts(frames(1600, 128), 30)",
+    "one clip": "sensor.counts(frames(8000, 128), 30)",
     "large frames": "sensor.counts(frames(64, 1024), 30)",
     "a batch": "sensor.counts(frames(800, 128, 4), 30)",
     "a batch with frames put in": "sensor.voxels(frames(160, 96, 3), 30, bins=2, upsample=0.02)",
@@ -34,7 +34,7 @@ print("begun", flush=True)
 amacrine.compare(events, events[::2], size=(200, 200))
 """
 
-IN_SECONDS = 10.0
+IN_SECONDS = 30.0
 """Within which it ends on a busy machine; each goes on for longer by itself, on an idle one too."""
 
 

@@ -267,10 +267,10 @@ def test_a_stream_that_was_interrupted_has_stopped() -> None:
     main = threading.main_thread().ident
     assert main is not None
     for contrast in (None, 0.5):
-        run = amacrine.Sensor("dvs", 0.2)._watch((128, 128), FPS, 1.0)
-        timer = threading.Timer(0.05, signal.pthread_kill, (main, signal.SIGINT))
-        timer.start()
+        run = amacrine.Sensor(["csdvs-7"] * 4, 0.2)._watch((128, 128), FPS, 1.0)
+        timer = threading.Timer(0.5, signal.pthread_kill, (main, signal.SIGINT))
         with pytest.raises(KeyboardInterrupt):
+            timer.start()
             run.events(clip, contrast, None)
             # It may come right behind.
             threading.Event().wait(5)

@@ -195,7 +195,10 @@ impl<'a> Run<'a> {
     /// # Errors
     /// When another one does, or the folder cannot be made.
     pub fn lock(&self) -> Result<File, TrainError> {
-        lock::take(&self.folder)
+        let lock = lock::take(&self.folder)?;
+        // What a run that was killed has left half-written.
+        let _ = save::sweep_up(&self.folder);
+        Ok(lock)
     }
 
     /// Whether a job was trained and judged.
@@ -292,7 +295,6 @@ impl<'a> Run<'a> {
         make_folder(&place)?;
         // What a process that was killed has left half written.
         let _ = save::sweep_up(&place);
-        let _ = save::sweep_up(&self.folder);
         let path = place.join(CHECKPOINT);
         let identity = self.identity(job);
         let (of, at) = ((self.task, job.arm), (job.target, job.seed));
