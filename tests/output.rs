@@ -672,7 +672,7 @@ fn a_reader_that_has_gone_is_no_error() {
 fn a_reader_that_has_gone_leaves_no_file_out_in_silence() {
     let bench = Bench::new();
     let work = bench.work();
-    let case = "run --scene ../in/clip.npy --sensor ../in/sensor.toml --events - --format csv --counts c.npy";
+    let case = "run --scene ../in/clip.npy --sensor ../in/sensor.toml --events - --counts c.npy";
     let case: Vec<&str> = case.split(' ').collect();
     for before in [None, Some("of another run")] {
         if let Some(before) = before {
