@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 /// The number of `2` and of `2/px/s`.
-pub(super) fn event_rate(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn event_rate(text: &str) -> Result<f64, String> {
     let number = text.strip_suffix("/px/s").unwrap_or(text).trim_end();
     let expected = |_| "expected events per pixel and second, such as 2 or 2/px/s".to_owned();
     number.parse().map_err(expected)
@@ -11,7 +11,7 @@ pub(super) fn event_rate(text: &str) -> Result<f64, String> {
 
 /// `--rate`, of a verb that has no scene to find thresholds on: it is refused with where it is.
 #[derive(Clone, Debug, clap::Args)]
-pub(super) struct NoRate {
+pub(in crate::cli) struct NoRate {
     #[arg(long = "rate", hide = true, value_name = "EVENTS", value_parser = not_here)]
     _rate: Option<Infallible>,
 }

@@ -6,8 +6,8 @@ use std::{
     path::Path,
 };
 
-use super::budget::{budget, check};
 use crate::{
+    cli::arguments::budget::{budget, check},
     event::{
         Event,
         file::{FileError, Opening, Reader},

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{
-    complain,
-    files::{Input, Named},
-    list::{bundled, meant},
-};
 use crate::{
     array::Register,
     bundled::Kind,
+    cli::{
+        complain,
+        list::{bundled, meant},
+        output::files::{Input, Named},
+    },
     isa::{Device, Figure},
     program::{Expansion, Overrides, Program, Runnable, Syntax, included_files, is_cpp},
     source,
@@ -68,7 +68,7 @@ impl Opened {
 }
 
 /// `name=value`, for the command line.
-pub(super) fn constant(text: &str) -> Result<(String, f64), String> {
+pub(in crate::cli) fn constant(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;

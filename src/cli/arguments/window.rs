@@ -5,7 +5,7 @@ use crate::{compare::window, unit::Micros};
 
 /// Which events match.
 #[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct Window {
+pub(in crate::cli) struct Window {
     /// Largest time difference of events that match [default: 100ms, or a frame interval if longer]
     ///
     /// Events that match are of the same pixel, kind and sign.
@@ -15,7 +15,7 @@ pub(super) struct Window {
 
 impl Window {
     /// The window at this many frames a second.
-    pub(super) fn at(self, fps: f64) -> Micros {
+    pub(in crate::cli) fn at(self, fps: f64) -> Micros {
         self.within.unwrap_or_else(|| window::headline(fps))
     }
 }

@@ -8,7 +8,7 @@ use crate::save;
 /// themselves: a shell sees 128 + n. What was ignored when the program began stays ignored; a
 /// second signal does not wait.
 #[cfg(unix)]
-pub(super) fn watch() {
+pub(in crate::cli) fn watch() {
     use signal_hook::{consts, flag, iterator::Signals, low_level};
 
     let ignored = ignored();
@@ -46,7 +46,7 @@ pub(super) fn watch() {
 }
 
 #[cfg(not(unix))]
-pub(super) fn watch() {
+pub(in crate::cli) fn watch() {
     let _: (Arc<AtomicBool>, fn()) = (Arc::default(), save::remove_all);
 }
 

@@ -5,21 +5,21 @@ use std::fmt::Write as _;
 use crate::program::readout::Way;
 
 /// One way to read a frame's events.
-pub(super) struct Row {
-    pub(super) way: Way,
-    pub(super) slots: Option<u64>,
+pub(in crate::cli) struct Row {
+    pub(in crate::cli) way: Way,
+    pub(in crate::cli) slots: Option<u64>,
     /// The least and the most, us.
-    pub(super) us: [f64; 2],
+    pub(in crate::cli) us: [f64; 2],
     /// The least and the most frames a second.
-    pub(super) frames_s: [f64; 2],
+    pub(in crate::cli) frames_s: [f64; 2],
     /// Share of the expected events that do not leave the chip; none where nobody says how many
     /// there are.
-    pub(super) lost: Option<f64>,
-    pub(super) is_chosen: bool,
+    pub(in crate::cli) lost: Option<f64>,
+    pub(in crate::cli) is_chosen: bool,
 }
 
 /// A line for each way, the chosen one marked.
-pub(super) fn table(rows: impl Iterator<Item = Row>) -> String {
+pub(in crate::cli) fn table(rows: impl Iterator<Item = Row>) -> String {
     let mut text = format!(
         "{:<37} {:>16} {:>16}   what comes out\n",
         "a frame's readout", "us", "frames/s"
@@ -48,7 +48,7 @@ pub(super) fn table(rows: impl Iterator<Item = Row>) -> String {
 }
 
 /// One number, or two where they differ as they are written.
-pub(super) fn between([low, high]: [f64; 2], decimals: usize) -> String {
+pub(in crate::cli) fn between([low, high]: [f64; 2], decimals: usize) -> String {
     let (low, high) = (format!("{low:.decimals$}"), format!("{high:.decimals$}"));
     if low == high {
         low

@@ -3,7 +3,7 @@
 use crate::isa::Figure;
 
 /// The number of the chip of this name (`error.noise`), and the value that is written for it.
-pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
+pub(in crate::cli) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
     let figure = Figure::find(name).map_err(|error| error.to_string())?;
     let number = value.parse().map_err(|_| {
         format!(

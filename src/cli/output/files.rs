@@ -156,7 +156,7 @@ impl Output {
     }
 
     /// An output that a verb hears of while it runs, checked.
-    pub(super) fn late(path: &Path, content: Content) -> miette::Result<Self> {
+    pub(in crate::cli) fn late(path: &Path, content: Content) -> miette::Result<Self> {
         let output = Self::new(path.to_owned(), content);
         output.check_ending(&output.kind()?)?;
         let files = files();
@@ -181,12 +181,12 @@ impl Output {
     }
 
     /// Whether it is written through, so that its name need not say what is in it.
-    pub(super) fn is_node(&self) -> bool {
+    pub(in crate::cli) fn is_node(&self) -> bool {
         !matches!(save::output_kind(&self.path), Ok(OutputKind::File { .. }))
     }
 
     /// The ending that says what is written, in small letters.
-    pub(super) fn ending(&self) -> &'static str {
+    pub(in crate::cli) fn ending(&self) -> &'static str {
         let endings = self.content.endings();
         let own = self.path.extension().unwrap_or_default();
         let own = endings
@@ -196,7 +196,7 @@ impl Output {
     }
 
     /// The format of events.
-    pub(super) fn format(&self) -> Result<Format, FileError> {
+    pub(in crate::cli) fn format(&self) -> Result<Format, FileError> {
         match Format::from_path(&self.path) {
             Err(_) if self.is_node() => Ok(Content::STREAM),
             format => format,
@@ -204,7 +204,7 @@ impl Output {
     }
 
     /// The formats of events that the name may mean, if it means any.
-    pub(super) fn says(&self) -> Option<Vec<Format>> {
+    pub(in crate::cli) fn says(&self) -> Option<Vec<Format>> {
         let said = Format::named(&self.path);
         (!said.is_empty()).then_some(said)
     }
@@ -215,7 +215,7 @@ impl Output {
     }
 
     /// Writes events.
-    pub(super) fn write(&self, packet: &Packet) -> Result<(), FileError> {
+    pub(in crate::cli) fn write(&self, packet: &Packet) -> Result<(), FileError> {
         let compression = Compression::default();
         file::write_as(&self.path, self.format()?, compression, packet)?;
         self.warn_of_drops(packet.dropped)
@@ -224,13 +224,13 @@ impl Output {
     /// Says what was lost on the way to this file of events, where the file cannot.
     pub(super) fn warn_of_drops(&self, dropped: Dropped) -> Result<(), FileError> {
         if let Some(note) = untold(dropped, self.format()?) {
-            super::complain(&format!("warning: {}: {note}\n", self.display()));
+            super::print::complain(&format!("warning: {}: {note}\n", self.display()));
         }
         Ok(())
     }
 
     /// Writes a drawing.
-    pub(super) fn draw(&self, drawing: &Drawing) -> Result<(), SaveError> {
+    pub(in crate::cli) fn draw(&self, drawing: &Drawing) -> Result<(), SaveError> {
         if self.ending() == "svg" {
             write_svg(&self.path, drawing)
         } else {
@@ -241,7 +241,7 @@ impl Output {
 
     /// Says that a picture of pixels has a question mark in place of a letter of its texts, where it
     /// has.
-    pub(super) fn warn_of_letters<'a>(&self, texts: impl IntoIterator<Item = &'a str>) {
+    pub(in crate::cli) fn warn_of_letters<'a>(&self, texts: impl IntoIterator<Item = &'a str>) {
         self.warn_of(&unknown_letters(texts), "");
     }
 
@@ -256,7 +256,7 @@ impl Output {
             (told, 0) => format!("{} are", told.join(", ")),
             (told, more) => format!("{} and {more} more are", told.join(", ")),
         };
-        super::complain(&format!(
+        super::print::complain(&format!(
             "warning: {}: {who} drawn as ?: the typeface of pictures has Latin letters{or}\n",
             self.path.display()
         ));
@@ -295,7 +295,7 @@ impl Output {
 }
 
 /// What a file of this format does not say of what was lost before it.
-pub(super) fn untold(dropped: Dropped, format: Format) -> Option<String> {
+pub(in crate::cli) fn untold(dropped: Dropped, format: Format) -> Option<String> {
     (dropped.total() > 0 && !format.has_remarks()).then(|| {
         let lost = counted(dropped.total(), "event");
         format!("{lost} lost on the way to this file: {format} has no room to say so, npy has")
@@ -478,7 +478,7 @@ fn both(input: &Path, output: &Path) -> miette::Report {
 ///
 /// # Errors
 /// When it is one that is written.
-pub(super) fn reads(path: &Path) -> miette::Result<()> {
+pub(in crate::cli) fn reads(path: &Path) -> miette::Result<()> {
     files().read(path)
 }
 
@@ -486,7 +486,9 @@ pub(super) fn reads(path: &Path) -> miette::Result<()> {
 ///
 /// # Errors
 /// When one of them is read, or two are the same, or one cannot be written.
-pub(super) fn writes<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> miette::Result<()> {
+pub(in crate::cli) fn writes<P: AsRef<Path>>(
+    paths: impl IntoIterator<Item = P>,
+) -> miette::Result<()> {
     let mut files = files();
     paths.into_iter().try_for_each(|path| {
         files.write(path.as_ref())?;
@@ -499,7 +501,7 @@ pub(super) fn writes<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> miet
 /// # Errors
 /// When something that is written is also read, or is written twice, or has a name that says
 /// something else, or cannot be written; or a name cannot stand in the JSON that is asked for.
-pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<()> {
+pub(in crate::cli) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<()> {
     if let Some((name, matches)) = matches.subcommand() {
         let verb = command.find_subcommand(name);
         return verb.map_or(Ok(()), |verb| check(verb, matches));

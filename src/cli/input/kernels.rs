@@ -4,12 +4,12 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{
-    files::Named,
-    list::{bundled, meant},
-};
 use crate::{
     bundled::Kind,
+    cli::{
+        list::{bundled, meant},
+        output::files::Named,
+    },
     compile::DriveMemory,
     kernel::{FEWER, Kernel, KernelFileError, SHAPES, wrong_number},
     limit::KERNELS,
@@ -24,7 +24,7 @@ use crate::{
 };
 
 /// The kinds of cells that a kernel file, an array of kernels or a sensor file states.
-pub(super) struct Kinds {
+pub(in crate::cli) struct Kinds {
     /// What each is called.
     pub names: Vec<String>,
     /// The kernel of each.
@@ -44,7 +44,7 @@ impl Kinds {
     /// When there is no such file, it holds no kernel, or a sensor's kinds are no kernels.
     pub fn read(name: &str) -> miette::Result<Self> {
         if Kernel::builtin(name).is_none() && is_sensor(name) {
-            let description = super::run::read_sensor(Path::new(name))?;
+            let description = crate::cli::run::read_sensor(Path::new(name))?;
             return Self::of_sensor(name, &description);
         }
         let (kernels, _) = read(name)?;
@@ -138,7 +138,7 @@ impl Kinds {
 }
 
 /// What so many kernels of one file are called.
-pub(super) fn names(file: &str, kernels: usize) -> Vec<String> {
+pub(in crate::cli) fn names(file: &str, kernels: usize) -> Vec<String> {
     match kernels {
         1 => vec![file.to_owned()],
         several => (0..several).map(|i| format!("{file}[{i}]")).collect(),
@@ -149,7 +149,10 @@ pub(super) fn names(file: &str, kernels: usize) -> Vec<String> {
 ///
 /// # Errors
 /// When there are neither one nor as many as kernels, or one is no positive number.
-pub(super) fn thresholds(given: &[f64], kernels: usize) -> miette::Result<Option<Vec<f64>>> {
+pub(in crate::cli) fn thresholds(
+    given: &[f64],
+    kernels: usize,
+) -> miette::Result<Option<Vec<f64>>> {
     let refused = |threshold: &&f64| !(**threshold > 0.0 && threshold.is_finite());
     if let Some(threshold) = given.iter().find(refused) {
         return Err(DesignError::Threshold(*threshold).into());
@@ -168,7 +171,7 @@ pub(super) fn thresholds(given: &[f64], kernels: usize) -> miette::Result<Option
 }
 
 /// Refuses more kernels, of all files together, than a sensor has kinds of cells.
-pub(super) fn check_number(kernels: usize) -> miette::Result<()> {
+pub(in crate::cli) fn check_number(kernels: usize) -> miette::Result<()> {
     if kernels <= KERNELS {
         return Ok(());
     }
@@ -181,7 +184,7 @@ fn is_sensor(name: &str) -> bool {
 }
 
 /// Whether a file is a sensor, by what stands in it.
-pub(super) fn is_sensor_file(name: &str) -> bool {
+pub(in crate::cli) fn is_sensor_file(name: &str) -> bool {
     let path = Path::new(name);
     // A pipe can be read once.
     if path.extension().is_none_or(|ending| ending != "toml") || !path.is_file() {
@@ -194,7 +197,7 @@ pub(super) fn is_sensor_file(name: &str) -> bool {
 ///
 /// # Errors
 /// When there is no such file, or it holds no kernel.
-pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
+pub(in crate::cli) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
     if let Some(kernel) = Kernel::builtin(name) {
         return Ok((vec![kernel], 2));
     }

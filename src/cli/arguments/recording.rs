@@ -7,9 +7,9 @@ use miette::miette;
 use super::{
     budget::{budget, check},
     heading,
-    progress::Progress,
 };
 use crate::{
+    cli::output::progress::Progress,
     event::file::{self, FileError, Format, Loaded, Opening, Reader},
     limit::ARRAY_SIDE,
     memory::Need,

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Reads a plane of any numbers.
-pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
+pub(in crate::cli) fn read(path: &Path) -> miette::Result<Plane<f64>> {
     let shown = path.display();
     let bytes = source::numbers(path, "give a .npy of shape (H,W), as numpy.save writes it")?;
     let wrong = |what: String| {
@@ -41,7 +41,7 @@ pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
 }
 
 /// Writes a plane.
-pub(super) fn write<T: Element>(path: &Path, plane: &Plane<T>) -> miette::Result<()> {
+pub(in crate::cli) fn write<T: Element>(path: &Path, plane: &Plane<T>) -> miette::Result<()> {
     let (height, width) = plane.dim();
     save(path, |out| {
         npy::write(out, &[height, width], plane.iter().copied())

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{files::Named, heading};
+use super::heading;
 use crate::{
+    cli::output::files::Named,
     event::{
         Packet,
         readout::{Latency, ReadOut, Stage, Statistics, settings::Description},

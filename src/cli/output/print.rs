@@ -24,7 +24,7 @@ pub(super) fn aside() {
 
 /// Prints to standard output. A reader that has gone (`amacrine … | head`) ends the program
 /// quietly; anything else that stands in the way ends it with exit code 1.
-pub(super) fn say(text: &str) {
+pub(in crate::cli) fn say(text: &str) {
     if ASIDE.load(Ordering::Relaxed) {
         return complain(text);
     }
@@ -42,7 +42,7 @@ pub(super) fn say(text: &str) {
 pub(super) struct Ended(pub(super) u8);
 
 /// Runs until all is done, or an output is [`Ended`].
-pub(super) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::Result<()> {
+pub(in crate::cli) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::Result<()> {
     panic::catch_unwind(panic::AssertUnwindSafe(run)).unwrap_or_else(|payload| {
         match payload.downcast_ref::<Ended>() {
             Some(ended) => Err((*ended).into()),
@@ -66,18 +66,18 @@ impl ReportHandler for Handler {
 }
 
 /// From now on errors are printed so.
-pub(super) fn handle_errors() {
+pub(in crate::cli) fn handle_errors() {
     // It can only fail where there is a handler already.
     let _ = miette::set_hook(Box::new(|_| Box::new(Handler)));
 }
 
 /// Prints to standard error. There is nobody to tell when that fails.
-pub(super) fn complain(text: &str) {
+pub(in crate::cli) fn complain(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Prints what went wrong; the exit code.
-pub(super) fn failed(report: &miette::Report) -> ExitCode {
+pub(in crate::cli) fn failed(report: &miette::Report) -> ExitCode {
     if let Some(Ended(code)) = report.downcast_ref() {
         save::remove_all();
         return ExitCode::from(*code);
@@ -90,7 +90,7 @@ pub(super) fn failed(report: &miette::Report) -> ExitCode {
 }
 
 /// Prints help, a version, or what is wrong with the command line; the exit code.
-pub(super) fn usage(mut error: clap::Error, command: fn() -> clap::Command) -> ExitCode {
+pub(in crate::cli) fn usage(mut error: clap::Error, command: fn() -> clap::Command) -> ExitCode {
     suggest_verb(&mut error, &command());
     suggest_option(&mut error, &command());
     if let Some(plain) = unread_number(&error, command) {

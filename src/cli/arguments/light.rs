@@ -7,8 +7,9 @@ use miette::miette;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{budget, complain, heading, recording};
+use super::{budget, heading, recording};
 use crate::{
+    cli::complain,
     plane::Size,
     rig::guard::Warning,
     scene::{

@@ -1,7 +1,7 @@
 //! How long to search, on the command line.
 
 /// A number of seconds.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if (0.0..=3600.0).contains(&value) => Ok(value),
         _ => Err(format!(

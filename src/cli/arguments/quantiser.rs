@@ -10,7 +10,7 @@ use crate::{
 
 /// [`Sum`], as it is written. All verbs that quantise have the same default.
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
-pub(super) enum Total {
+pub(in crate::cli) enum Total {
     /// Any sum
     Free,
     /// 0, so that uniform light gives no response. With `ternary` the best levels and scale of that
@@ -23,7 +23,7 @@ pub(super) enum Total {
 
 impl Total {
     /// As it is written.
-    pub(super) const fn name(self) -> &'static str {
+    pub(in crate::cli) const fn name(self) -> &'static str {
         match self {
             Self::Free => "free",
             Self::Zero => "zero",
@@ -43,18 +43,18 @@ impl From<Total> for Sum {
 }
 
 /// A quantiser, for the command line, which shows no help beside a message.
-pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
+pub(in crate::cli) fn quantiser(name: &str) -> Result<Quantiser, String> {
     name.parse()
         .map_err(|error: QuantiserNameError| with_help(&error))
 }
 
 /// A number format, for the command line.
-pub(super) fn number_format(name: &str) -> Result<Format, String> {
+pub(in crate::cli) fn number_format(name: &str) -> Result<Format, String> {
     name.parse().map_err(|error: FormatError| with_help(&error))
 }
 
 /// An arithmetic, for the command line.
-pub(super) fn arithmetic(name: &str) -> Result<Arithmetic, String> {
+pub(in crate::cli) fn arithmetic(name: &str) -> Result<Arithmetic, String> {
     name.parse()
         .map_err(|error: ArithmeticError| with_help(&error))
 }

@@ -3,8 +3,9 @@
 
 use miette::WrapErr;
 
-use super::{event_rate::event_rate, files::Named, heading, kernels};
+use super::{event_rate::event_rate, heading};
 use crate::{
+    cli::{input::kernels, output::files::Named},
     kernel::Kernel,
     number::Format,
     reference::{Description, Threshold},
@@ -47,7 +48,7 @@ impl Changes {
     ///
     /// # Errors
     /// When a kernel cannot be read, or a threshold is not above 0.
-    pub(super) fn set(&self, mut sensor: Description) -> miette::Result<Description> {
+    pub(in crate::cli) fn set(&self, mut sensor: Description) -> miette::Result<Description> {
         if !self.kernel.is_empty() {
             sensor = sensor.with_kernels(self.kernels()?, &named(&self.kernel))?;
         }
@@ -59,7 +60,7 @@ impl Changes {
     ///
     /// # Errors
     /// When no threshold gives the rate.
-    pub(super) fn rated(
+    pub(in crate::cli) fn rated(
         &self,
         sensor: Description,
         (seed, format): (u64, Format),
@@ -82,7 +83,7 @@ impl Changes {
 
     /// How `--threshold` was read, and what it leaves of the file, where that matters: of the sensor as
     /// it is asked for.
-    pub(super) fn line(&self, sensor: &Description) -> Option<String> {
+    pub(in crate::cli) fn line(&self, sensor: &Description) -> Option<String> {
         let signs = self.threshold.filter(|[on, off]| on != off);
         let signs = signs
             .filter(|_| sensor.channels.len() > 1)

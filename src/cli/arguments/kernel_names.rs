@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{complain, files::Named, kernels::Kinds};
+use crate::cli::{complain, input::kernels::Kinds, output::files::Named};
 
 /// Which kernels, by file or by name.
 #[derive(Clone, Debug, clap::Args)]
@@ -41,7 +41,7 @@ impl KernelNames {
     ///
     /// # Errors
     /// As [`Kinds::of_all`].
-    pub(super) fn kinds(&self) -> miette::Result<Kinds> {
+    pub(in crate::cli) fn kinds(&self) -> miette::Result<Kinds> {
         let kinds = Kinds::of_all(self.names())?;
         for note in &kinds.notes {
             complain(&format!("note: {note}\n"));
