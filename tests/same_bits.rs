@@ -4,7 +4,7 @@
 //!
 //! `AMACRINE_BLESS=1 cargo test --release --all-features --test same_bits` writes the manifest
 //! anew. Whoever does so has changed results: say so in the CHANGELOG, and raise the version of
-//! the numbers (`NUMERICS` in `src/study/sweep/provenance.rs`), so that results are not mixed.
+//! the numbers (`NUMERICS` in `src/study/sweep/results/provenance.rs`), so that results are not mixed.
 
 use std::{
     fmt::Write as _,

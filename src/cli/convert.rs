@@ -10,13 +10,17 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
-    content::Content,
-    files::{self, Input, Output},
-    flip::Flip,
-    heading,
-    in_order::Events,
-    progress::Progress,
-    recording::{self, Recording},
+    arguments::{
+        flip::Flip,
+        heading,
+        recording::{self, Recording},
+    },
+    input::event_stream::Events,
+    output::{
+        content::Content,
+        files::{self, Input, Output},
+        progress::Progress,
+    },
 };
 use crate::{
     event::{

@@ -1,6 +1,6 @@
 //! `amacrine disasm`.
 
-use super::opened::{Opened, Source};
+use super::input::opened_program::{Opened, Source};
 use crate::program::vendor_text;
 
 /// What `disasm` is asked to do.

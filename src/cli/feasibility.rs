@@ -4,6 +4,29 @@ use std::fmt::Write as _;
 
 use miette::{IntoDiagnostic, WrapErr};
 
+use super::{
+    arguments::{
+        budget,
+        clip::Clip,
+        event_rate::event_rate,
+        heading,
+        kernel_names::KernelNames,
+        light::{self, WithLight},
+        quantiser::Total,
+        readout::Choice,
+        window::Window,
+    },
+    compile::memory,
+    input::kernels::Kinds,
+    output::{
+        command_line::CommandLine,
+        content::Content,
+        files::{Named, Output},
+        progress::Progress,
+        readout_table,
+    },
+    waterfall,
+};
 use crate::{
     compare::metric::Short,
     compile::{DriveMemory, Effort},
@@ -22,25 +45,6 @@ use crate::{
         report,
     },
     unit::{Micros, frame_rate},
-};
-
-use super::{
-    budget,
-    clip::Clip,
-    compile::memory,
-    content::Content,
-    event_rate::event_rate,
-    files::{Named, Output},
-    heading,
-    kernel_names::KernelNames,
-    kernels::Kinds,
-    light::{self, WithLight},
-    progress::Progress,
-    quantiser::Total,
-    quoted::CommandLine,
-    readout::Choice,
-    readout_table, waterfall,
-    window::Window,
 };
 
 /// What `feasibility` is asked to do.
@@ -71,10 +75,10 @@ pub struct Arguments {
     ///
     /// `amacrine quantise --help` lists the quantisers. The table has a row for each of
     /// --candidates in any case.
-    #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
+    #[arg(long, value_name = "QUANTISER", value_parser = super::arguments::quantiser::quantiser)]
     to: Option<Quantiser>,
     /// Quantisers in the table, one row each
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
     /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
@@ -112,7 +116,7 @@ pub struct Arguments {
     /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
     /// kernels, take several times as long. The program counts states of the search, not time: a
     /// slower computer takes longer and finds the same program.
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::arguments::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]

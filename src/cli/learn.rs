@@ -10,7 +10,7 @@ use std::{
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use super::{budget::budget, threads};
+use super::arguments::{budget::budget, threads};
 use crate::memory::Origin;
 
 /// What `learn` is asked to do.
@@ -73,7 +73,7 @@ fn become_it(mut command: Command) -> io::Result<miette::Result<()>> {
     }
     // It has said what is wrong.
     let code = status.code().and_then(|code| u8::try_from(code).ok());
-    Ok(Err(super::print::Ended(code.unwrap_or(2)).into()))
+    Ok(Err(super::output::print::Ended(code.unwrap_or(2)).into()))
 }
 
 /// Beside this program, else on the PATH.

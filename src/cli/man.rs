@@ -5,7 +5,7 @@ use std::io;
 use clap::Command;
 use clap_mangen::Man;
 
-use super::{
+use super::output::{
     content::Content,
     files::{self, Output},
 };

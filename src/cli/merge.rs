@@ -4,10 +4,10 @@ use std::{fmt::Write as _, path::PathBuf};
 
 use serde_json::json;
 
-use super::{
+use super::output::{
+    command_line::quoted,
     content::Content,
     files::{Input, Output},
-    quoted::quoted,
 };
 use crate::{study::sweep::merge, unit::counted};
 

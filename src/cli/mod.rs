@@ -1,69 +1,52 @@
-//! The command line: one file a verb, and the only place that prints.
+//! The command line: one file or folder a verb, and the only place that prints.
+//!
+//! - [`arguments`]: options that several verbs share.
+//! - [`input`]: what verbs read.
+//! - [`output`]: what they print and write.
 
+mod arguments;
 pub mod asm;
-mod budget;
-mod changed;
-mod clip;
-mod clock;
 pub mod compare;
 pub mod compile;
 pub mod completions;
-pub mod content;
 pub mod convert;
 pub mod demo;
 pub mod design;
 pub mod disasm;
-mod effort;
-mod event_output;
-mod event_rate;
 pub mod exec;
 pub mod feasibility;
-mod fidelity;
-mod figure;
-pub mod files;
-mod flip;
-mod heading;
-mod in_order;
-mod kernel_names;
-mod kernels;
+mod input;
 pub mod learn;
-mod light;
 pub mod list;
 pub mod man;
 pub mod merge;
 pub mod mesh;
 pub mod new;
-mod npy;
-mod opened;
+mod output;
 pub mod packets;
 pub mod plan;
-mod print;
-mod progress;
 pub mod quantise;
-mod quantiser;
-mod quoted;
-mod readout;
-mod readout_table;
-mod recording;
 pub mod report;
 pub mod run;
 pub mod schema;
 pub mod show;
-mod signals;
 pub mod sweep;
-mod threads;
-mod timed;
 pub mod trade;
 pub mod voxels;
 pub mod waterfall;
-mod window;
-mod without;
 
 use std::{any::TypeId, process::ExitCode};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use self::print::{complain, say};
+use self::{
+    arguments::{budget, heading, threads},
+    output::{
+        files,
+        print::{self, complain, say},
+        signals,
+    },
+};
 use crate::{catch_panic, memory::Budget, unit::Micros};
 
 /// Of an option of every verb, behind those of its own.

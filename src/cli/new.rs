@@ -9,8 +9,8 @@ use clap::ValueEnum;
 use miette::miette;
 
 use super::{
-    files,
     list::{no_chip, nothing},
+    output::files,
     schema,
 };
 use crate::{

@@ -4,12 +4,15 @@ use miette::miette;
 use serde_json::{Value, json};
 
 use super::{
-    content::Content,
-    files::{Input, Output},
-    light,
-    progress::Progress,
-    readout,
-    recording::{self, Recording},
+    arguments::{
+        light, readout,
+        recording::{self, Recording},
+    },
+    output::{
+        content::Content,
+        files::{Input, Output},
+        progress::Progress,
+    },
 };
 use crate::{
     elementary,

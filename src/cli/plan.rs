@@ -8,6 +8,18 @@ use std::{
 use miette::{IntoDiagnostic, WrapErr, miette};
 use serde_json::{Value, json};
 
+use super::{
+    arguments::{
+        budget,
+        clip::GivenScene,
+        fidelity::{KeptOrUnread, chosen, line, make, percent},
+        heading, light,
+        quantiser::number_format,
+        readout,
+    },
+    output::{files::Input, progress::Progress},
+    run::read_sensor,
+};
 use crate::{
     event::Packet,
     number::Format,
@@ -16,18 +28,6 @@ use crate::{
     scene::{Observation, kept::Kept},
     study::pilot::{Change, Choice, Plan, Question, change::share, model::Model, plan::BUDGET},
     unit::{Micros, counted},
-};
-
-use super::{
-    budget,
-    clip::GivenScene,
-    fidelity::{KeptOrUnread, chosen, line, make, percent},
-    files::Input,
-    heading, light,
-    progress::Progress,
-    quantiser::number_format,
-    readout,
-    run::read_sensor,
 };
 
 /// What `plan` is asked to do.

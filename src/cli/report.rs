@@ -6,9 +6,11 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
-    content::Content,
-    files::{Input, Output},
-    light,
+    arguments::light,
+    output::{
+        content::Content,
+        files::{Input, Output},
+    },
 };
 use crate::{
     picture::front::{Dot, FrontShow, fronts},

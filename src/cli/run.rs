@@ -5,6 +5,25 @@ use std::{cell::RefCell, ops::ControlFlow, path::Path};
 use miette::{WrapErr, miette};
 use serde_json::json;
 
+use super::{
+    arguments::{
+        budget,
+        clip::GivenScene,
+        fidelity::{Fidelity, KeptOrUnread, make},
+        heading, light,
+        quantiser::number_format,
+        readout,
+        sensor_changes::{Changes, Found},
+        without::Effects,
+    },
+    list::{bundled, of_another_kind},
+    output::{
+        content::Content,
+        event_output::EventOutput,
+        files::{self, Input, Output},
+        progress::Progress,
+    },
+};
 use crate::{
     bundled::Kind,
     event::{
@@ -27,22 +46,6 @@ use crate::{
         run_guard::{Done, RunGuard},
     },
     unit::{Micros, counted},
-};
-
-use super::{
-    budget,
-    changed::{Changes, Found},
-    clip::GivenScene,
-    content::Content,
-    event_output::EventOutput,
-    fidelity::{Fidelity, KeptOrUnread, make},
-    files::{self, Input, Output},
-    heading, light,
-    list::{bundled, of_another_kind},
-    progress::Progress,
-    quantiser::number_format,
-    readout,
-    without::Effects,
 };
 
 /// What `run` is asked to do.

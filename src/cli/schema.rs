@@ -2,7 +2,7 @@
 
 use serde_json::Value as Json;
 
-use super::{content::Content, files::Output};
+use super::output::{content::Content, files::Output};
 use crate::{
     bundled, config::schema, event::readout, isa, kernel, program, reference, save::save,
     study::sweep,

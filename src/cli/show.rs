@@ -3,11 +3,15 @@
 use miette::miette;
 
 use super::{
-    budget,
-    content::Content,
-    files::{Input, Output},
+    arguments::{
+        budget,
+        recording::{self, Recording},
+    },
     list,
-    recording::{self, Recording},
+    output::{
+        content::Content,
+        files::{Input, Output},
+    },
 };
 use crate::{
     event::Packet,

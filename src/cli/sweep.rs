@@ -13,28 +13,34 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
-    budget,
-    clock::thread_seconds,
-    content::Content,
-    files::{Input, Output},
-    heading, light,
+    arguments::{budget, heading, light},
     list::{bundled, meant},
-    progress::Progress,
-    quoted::quoted,
+    output::{
+        command_line::quoted,
+        content::Content,
+        files::{Input, Output},
+        progress::Progress,
+        thread_clock::thread_seconds,
+    },
 };
-use crate::bundled::Kind;
-use crate::study::sweep::{
-    Asked, Limits, Override, Plan, Request, Shard, Study,
-    ask::{self, PointError},
-    damage::{listed, set_aside},
-    request::Swept,
-    run::{Did, Failed},
-    schema,
-    search::{Rung, Searched},
-    store::Tables,
-    verify::{Share, Verified},
+use crate::{
+    bundled::Kind,
+    limit::POINT_BYTES,
+    memory::Need,
+    source,
+    study::sweep::{
+        Asked, Limits, Override, Plan, Request, Shard, Study,
+        ask::{self, PointError},
+        damage::{listed, set_aside},
+        request::Swept,
+        run::{Did, Failed},
+        schema,
+        search::{Rung, Searched},
+        store::Tables,
+        verify::{Share, Verified},
+    },
+    unit::counted,
 };
-use crate::{limit::POINT_BYTES, memory::Need, source, unit::counted};
 
 /// What `sweep` is asked to do.
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]

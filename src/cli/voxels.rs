@@ -5,11 +5,15 @@ use miette::{Diagnostic as _, miette};
 use serde_json::json;
 
 use super::{
-    budget,
-    content::Content,
-    files::{Input, Output},
-    progress::Progress,
-    recording::{self, Recording},
+    arguments::{
+        budget,
+        recording::{self, Recording},
+    },
+    output::{
+        content::Content,
+        files::{Input, Output},
+        progress::Progress,
+    },
 };
 use crate::{
     event::{

@@ -5,6 +5,24 @@ use std::fmt::Write;
 
 use miette::miette;
 
+use super::{
+    arguments::{
+        budget,
+        clip::Clip,
+        heading,
+        kernel_names::KernelNames,
+        light::{self, WithLight},
+        quantiser::{Total, arithmetic},
+        readout::Choice,
+        window::Window,
+    },
+    input::kernels::Kinds,
+    output::{
+        content::Content,
+        files::{Named, Output},
+        progress::Progress,
+    },
+};
 use crate::{
     array::Arithmetic,
     compare::fate::Fate,
@@ -28,21 +46,6 @@ use crate::{
     unit::frame_rate,
 };
 
-use super::{
-    budget,
-    clip::Clip,
-    content::Content,
-    files::{Named, Output},
-    heading,
-    kernel_names::KernelNames,
-    kernels::Kinds,
-    light::{self, WithLight},
-    progress::Progress,
-    quantiser::{Total, arithmetic},
-    readout::Choice,
-    window::Window,
-};
-
 /// What `waterfall` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -59,7 +62,7 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Quantiser of the kernel (`amacrine quantise --help` lists them)
-    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
+    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::arguments::quantiser::quantiser)]
     to: Quantiser,
     /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
@@ -87,7 +90,7 @@ pub struct Arguments {
     /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
     /// kernels, take several times as long. The program counts states of the search, not time: a
     /// slower computer takes longer and finds the same program.
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::arguments::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Frame rates at which the same light is shown, separated by commas
     ///
@@ -128,7 +131,7 @@ fn figure(text: &str) -> Result<(Figure, f64), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("`{text}` is not FIGURE=NUMBER, such as error.noise=0.1"))?;
-    super::figure::figure(name, value)
+    super::arguments::chip_figure::figure(name, value)
 }
 
 /// A frame rate, for the command line.

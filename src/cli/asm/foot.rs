@@ -1,7 +1,9 @@
 //! The foot of a program (`//=`), held to what its words are.
 
-use super::super::opened::Opened;
-use crate::program::{Cost, ExpectedWords};
+use crate::{
+    cli::input::opened_program::Opened,
+    program::{Cost, ExpectedWords},
+};
 
 /// That the words which stand below a program, one a warning, are not those that it has.
 pub fn miscounted(opened: &Opened) -> Vec<String> {

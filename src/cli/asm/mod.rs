@@ -7,7 +7,7 @@ mod proof;
 use serde_json::json;
 
 use self::{changes::Changes, proof::Proof};
-use super::opened::{Opened, Source};
+use super::input::opened_program::{Opened, Source};
 use crate::{
     array::range::Interval,
     isa::{Cell, Device, Figure},

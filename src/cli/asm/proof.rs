@@ -5,7 +5,6 @@ use std::{collections::BTreeMap, path::Path};
 use miette::WrapErr;
 use serde_json::{Value, json};
 
-use super::super::opened::Opened;
 use crate::{
     array::{
         GenericError, Input, Settings,
@@ -15,6 +14,7 @@ use crate::{
         survival::{Analogue, RUNS, SIDE, Survival, survival},
         taps::{self, NoTaps, Taps},
     },
+    cli::input::opened_program::Opened,
     isa::{Analog, Cell, Device},
     plane::Plane,
     program::{Action, Entry, Expanded, Host, Step, for_each},

@@ -1,11 +1,13 @@
 //! The threshold equivalent of a comparison: the reference's sensor, run again at other
 //! thresholds.
 
-use super::{
-    super::{budget, files::Input, light, progress::Progress, run::read_sensor},
-    Arguments,
-};
+use super::Arguments;
 use crate::{
+    cli::{
+        arguments::{budget, light},
+        output::{files::Input, progress::Progress},
+        run::read_sensor,
+    },
     event::Packet,
     number::Format,
     photoreceptor::Response,

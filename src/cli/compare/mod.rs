@@ -9,12 +9,13 @@ use miette::miette;
 
 use self::headline::{Flagged, Headline};
 use super::{
-    clip::Clip,
-    content::Content,
-    files, heading, light,
-    progress::Progress,
-    recording::{self, Recording},
-    window::Window,
+    arguments::{
+        clip::Clip,
+        heading, light,
+        recording::{self, Recording},
+        window::Window,
+    },
+    output::{content::Content, files, progress::Progress},
 };
 use crate::{
     compare::{

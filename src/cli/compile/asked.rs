@@ -4,14 +4,12 @@ use std::path::Path;
 
 use miette::{WrapErr, miette};
 
-use super::{
-    super::{
-        complain,
-        kernels::{self, check_number},
-    },
-    Aim, Arguments, Asked, Total,
-};
+use super::{Aim, Arguments, Asked, Total};
 use crate::{
+    cli::{
+        complain,
+        input::kernels::{self, check_number},
+    },
     kernel::quantise::Quantiser,
     rig::guard::{Guard, Warning},
     study::cells,
@@ -42,7 +40,7 @@ impl Asked {
                     "{name} is a sensor file, not a kernel file"
                 ));
             }
-            let (more, axes) = super::super::kernels::read(name)?;
+            let (more, axes) = crate::cli::input::kernels::read(name)?;
             sources.extend(kernels::names(name, more.len()));
             kernels.extend(more);
             stacked |= axes == 3;

@@ -4,11 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{
-    super::readout_table::between, Added, Aim, Asked, Compiled, MIDDLE, bounds::Bounds,
-    readout::Readouts,
-};
+use super::{Added, Aim, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
+    cli::output::readout_table::between,
     compile::{
         BitMemory, Decided, DriveMemory, Filter, Need, Restless, bound::LowerBound, brightest,
         carried, four_digits, largest_of_both_signs, like_these,

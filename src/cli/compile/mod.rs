@@ -14,17 +14,20 @@ use std::{fmt::Write as _, time::Instant};
 
 use miette::{IntoDiagnostic, miette};
 
-use on_chip::OnChip;
-
+use self::on_chip::OnChip;
 use super::{
+    arguments::{
+        event_rate::NoRate,
+        heading,
+        light::{self, Samples},
+        quantiser::Total,
+    },
     complain,
-    content::Content,
-    event_rate::NoRate,
-    files::{self, Named, Output},
-    heading,
-    light::{self, Samples},
-    progress::Progress,
-    quantiser::Total,
+    output::{
+        content::Content,
+        files::{self, Named, Output},
+        progress::Progress,
+    },
 };
 use crate::{
     array::{
@@ -157,7 +160,7 @@ pub struct Arguments {
     /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
     /// kernels, take several times as long. The program counts states of the search, not time: a
     /// slower computer takes longer and finds the same program.
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::arguments::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the search; another seed may find another program
     #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]
@@ -389,7 +392,7 @@ impl std::str::FromStr for To {
         if matches!(name, "exact" | "none") {
             return Ok(Self(None));
         }
-        super::quantiser::quantiser(name).map(|to| Self(Some(to)))
+        super::arguments::quantiser::quantiser(name).map(|to| Self(Some(to)))
     }
 }
 

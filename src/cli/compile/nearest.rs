@@ -74,7 +74,7 @@ fn best(ways: impl Iterator<Item = Way>) -> Option<Way> {
 
 /// With these values.
 fn coarser(name: &str, arguments: &Arguments, device: &Device) -> Option<(u64, f64)> {
-    let to = super::super::quantiser::quantiser(name).ok()?;
+    let to = crate::cli::arguments::quantiser::quantiser(name).ok()?;
     if arguments.to.0 == Some(to) {
         return None;
     }

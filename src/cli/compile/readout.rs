@@ -6,12 +6,10 @@ use std::fmt::Write as _;
 use miette::miette;
 use serde_json::json;
 
-use super::{
-    super::{light, readout_table},
-    Arguments, Asked,
-};
+use super::{Arguments, Asked};
 use crate::{
     array::Arithmetic,
+    cli::{arguments::light, output::readout_table},
     compile::{CellKind, EventReadout, SensorProgram},
     event::Packet,
     isa::{Device, Figure},

@@ -2,14 +2,12 @@
 
 use serde_json::{Value, json};
 
-use crate::event::address;
-
 use super::{
-    super::light,
     Demo,
     choice::{CHOSEN, KERNEL, THRESHOLD},
     showing::{Row, Showing},
 };
+use crate::{cli::arguments::light, event::address};
 
 impl Demo<'_> {
     /// Every row, and beside them what the event files and pictures are of: the kernel that the

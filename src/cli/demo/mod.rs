@@ -8,18 +8,19 @@ mod json;
 mod showing;
 mod table;
 
+use self::{cell::Cell, files::Moments, showing::Showing};
+use super::{
+    arguments::light,
+    output::{
+        content::Content,
+        files::{self as outputs, Output},
+        progress::Progress,
+    },
+};
 use crate::{
     photoreceptor::Response,
     rig::guard::{Guard, Warning},
     scene::{Observation, Observed, Scene, SceneError, bundled, resample::Resampled},
-};
-
-use self::{cell::Cell, files::Moments, showing::Showing};
-use super::{
-    content::Content,
-    files::{self as outputs, Output},
-    light,
-    progress::Progress,
 };
 
 /// Frames for each of the clip's, where the chip looks more often.

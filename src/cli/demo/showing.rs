@@ -1,7 +1,9 @@
 //! One showing of the clip: every cell, on the array and in float, judged by its float sensor.
 
+use super::cell::{Cell, OnChip};
 use crate::{
     array::{Arithmetic, Array},
+    cli::output::timed::Timed,
     compare::window,
     event::Packet,
     number::Format,
@@ -15,11 +17,6 @@ use crate::{
         saturation,
     },
     unit::Micros,
-};
-
-use super::{
-    super::timed::Timed,
-    cell::{Cell, OnChip},
 };
 
 /// The memory of all sensors: a chip has one shot a frame, and its memory snaps.

@@ -1,14 +1,13 @@
 //! The demo for people: two tables, and how to read them.
 
-use crate::{
-    compare::metric::Short, event::readout::scan::SLOTS, study::equivalent, unit::frame_rate,
-};
-
 use super::{
-    super::light,
     Demo, TIMES,
     choice::{CHOSEN, DOMAINS, FEWER, KERNEL, SHOWN, THRESHOLD},
     showing::{Judged, Row, Showing},
+};
+use crate::{
+    cli::arguments::light, compare::metric::Short, event::readout::scan::SLOTS, study::equivalent,
+    unit::frame_rate,
 };
 
 /// Where no number stands.

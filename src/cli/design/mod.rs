@@ -12,20 +12,24 @@ use miette::{WrapErr, miette};
 use serde_json::json;
 
 use super::{
-    budget,
-    clip::{Clip, goes_on},
+    arguments::{
+        budget,
+        clip::{Clip, goes_on},
+        event_rate::event_rate,
+        heading,
+        kernel_names::KernelNames,
+        light,
+        quantiser::Total,
+        window::Window,
+    },
     compile::memory,
-    content::Content,
-    event_rate::event_rate,
-    files::{self, Named, Output},
-    heading,
-    kernel_names::KernelNames,
-    kernels::Kinds,
-    light,
-    progress::Progress,
-    quantiser::Total,
-    quoted::CommandLine,
-    window::Window,
+    input::kernels::Kinds,
+    output::{
+        command_line::CommandLine,
+        content::Content,
+        files::{self, Named, Output},
+        progress::Progress,
+    },
 };
 use crate::{
     compile::{DriveMemory, Effort, FRAMES},
@@ -67,7 +71,7 @@ pub struct Arguments {
     #[command(flatten)]
     clip: Clip,
     /// Quantisers to try (`amacrine quantise --help` lists them)
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::quantiser::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
     to: Vec<Quantiser>,
     /// Memory of the program: analogue, bits:N or shared
     ///
@@ -96,7 +100,7 @@ pub struct Arguments {
     /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
     /// kernels, take several times as long. The program counts states of the search, not time: a
     /// slower computer takes longer and finds the same program.
-    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
+    #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::arguments::effort::seconds, help_heading = heading::SEARCH)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0, help_heading = heading::SEARCH)]

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use super::{
-    super::{quoted::CommandLine, readout::Choice},
-    Arguments, Question,
-};
+use super::{Arguments, Question};
 use crate::{
+    cli::{arguments::readout::Choice, output::command_line::CommandLine},
     compare::window,
     photoreceptor::Response,
     rig::guard::Warning,

@@ -2,17 +2,21 @@
 
 use std::path::PathBuf;
 
-use super::super::{
-    content::Content,
-    fidelity::Fidelity,
-    figure::figure,
-    files::{Named, Output},
-    heading,
-    light::Samples,
-    opened::Source,
-    without::Terms,
+use crate::{
+    array::Arithmetic,
+    cli::{
+        arguments::{
+            chip_figure::figure, fidelity::Fidelity, heading, light::Samples, without::Terms,
+        },
+        input::opened_program::Source,
+        output::{
+            content::Content,
+            files::{Named, Output},
+        },
+    },
+    event::file::Format,
+    isa::Figure,
 };
-use crate::{array::Arithmetic, event::file::Format, isa::Figure};
 
 /// What `exec` is asked to do.
 #[derive(Debug, clap::Args)]

@@ -5,11 +5,6 @@ use std::{ops::ControlFlow, sync::Arc};
 use miette::{WrapErr, miette};
 
 use super::{
-    super::{
-        budget::{self, Growth},
-        complain,
-        opened::Opened,
-    },
     arguments::{Arguments, Assignment, Switch},
     beside::{self, Run},
     light::{Lasting, Light, Said},
@@ -19,6 +14,11 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array, Register, Schedule, Settings},
+    cli::{
+        arguments::budget::{self, Growth},
+        complain,
+        input::opened_program::Opened,
+    },
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,

@@ -5,13 +5,13 @@ use std::{ops::ControlFlow, sync::Arc};
 use miette::miette;
 
 use super::{
-    super::{budget::Growth, complain},
     bench::Bench,
     light::{Lasting, Light},
     moment::{Moment, Part},
 };
 use crate::{
     array::{Array, answered},
+    cli::{arguments::budget::Growth, complain},
     event::Packet,
     program::{Answer, Beside, Exposure, Step},
     scene::{Frame, Scene},

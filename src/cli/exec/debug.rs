@@ -10,14 +10,13 @@ use std::{
 
 use miette::{Diagnostic, miette};
 
-use super::{
-    super::{content::Content, files::Output, opened::Opened, print::say},
-    bench::Bench,
-    moment::Moment,
-    reading,
-};
+use super::{bench::Bench, moment::Moment, reading};
 use crate::{
     array::{Array, Register},
+    cli::{
+        input::opened_program::Opened,
+        output::{content::Content, files::Output, print::say},
+    },
     event::Packet,
     picture::{panel, write_png},
     plane::{Plane, Size},

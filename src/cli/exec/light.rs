@@ -7,11 +7,9 @@ use std::{
 
 use miette::miette;
 
-use super::{
-    super::{clip::goes_on, files},
-    arguments::Arguments,
-};
+use super::arguments::Arguments;
 use crate::{
+    cli::{arguments::clip::goes_on, output::files},
     limit::FRAMES,
     plane::{Plane, Size},
     program::{Exposure, Program},

@@ -31,7 +31,7 @@ use self::{
     statistics::Statistics,
     trace::Tracer,
 };
-use super::files;
+use super::output::files;
 use crate::{picture::write_png, program::Cost, save::save};
 
 /// Runs the verb.
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         frames,
         pass.saturation,
     );
-    super::light::warn(&warnings);
+    super::arguments::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.
     let drawn = match &arguments.strip {
@@ -143,7 +143,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
     let arguments = bench.arguments;
     let statistics = Statistics::from_runs(bench, arguments.seed(), runs)?;
-    super::light::warn(&statistics.warnings);
+    super::arguments::light::warn(&statistics.warnings);
     if arguments.json {
         super::say(&format!("{}\n", statistics.json()));
     } else {

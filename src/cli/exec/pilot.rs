@@ -6,15 +6,15 @@ use miette::{IntoDiagnostic, miette};
 use serde_json::{Value, json};
 
 use super::{
-    super::{
-        complain,
-        fidelity::{WITHIN, line, room, told},
-    },
     arguments::Arguments,
     bench::Bench,
     light::{Lasting, Light},
 };
 use crate::{
+    cli::{
+        arguments::fidelity::{WITHIN, line, room, told},
+        complain,
+    },
     number::Format,
     scene::{Scene as _, kept::Kept},
     study::pilot::{

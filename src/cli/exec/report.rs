@@ -7,9 +7,10 @@ use std::{
 
 use serde_json::json;
 
-use super::{super::light, reading};
+use super::reading;
 use crate::{
     array::{Arithmetic, Array, Ledger, Readings},
+    cli::arguments::light,
     event::{Packet, Polarity},
     program::Cost,
     rig::guard::Warning,

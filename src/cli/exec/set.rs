@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use miette::{WrapErr, miette};
 
-use super::super::npy;
 use crate::{
     array::{Array, Register},
+    cli::input::npy,
     isa::Device,
     plane::Plane,
 };

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{super::opened::Opened, report::Written};
+use super::report::Written;
 use crate::{
     array::{Array, Readings},
+    cli::input::opened_program::Opened,
     picture::{panel, write_png},
     plane::Plane,
 };

@@ -3,9 +3,10 @@
 use image::RgbImage;
 use miette::miette;
 
-use super::{super::opened::Opened, moment::Moment};
+use super::moment::Moment;
 use crate::{
     array::{Array, Register},
+    cli::input::opened_program::Opened,
     event::Packet,
     picture::{StripCell, panel, strip},
     plane::Plane,

@@ -2,9 +2,10 @@
 
 use std::collections::VecDeque;
 
-use super::{super::opened::Opened, bench::Bench, moment::Moment};
+use super::{bench::Bench, moment::Moment};
 use crate::{
     array::{Arithmetic, Array, Register},
+    cli::input::opened_program::Opened,
     event::Packet,
     isa::{Device, Figure, operands::Terminal},
     number::Format,

@@ -6,7 +6,7 @@ use miette::WrapErr;
 
 use super::output::say_json;
 use crate::{
-    cli::{files::Named, kernels, say},
+    cli::{input::kernels, output::files::Named, say},
     kernel::Kernel,
     mesh::{Fit, Fitting, fit},
 };

@@ -3,7 +3,7 @@
 use miette::IntoDiagnostic;
 
 use crate::{
-    cli::{files::Output, npy, say},
+    cli::{input::npy, output::files::Output, say},
     picture::{panel, write_png},
     plane::Plane,
 };

@@ -1,7 +1,7 @@
 //! Parts of a sheet that are not equal, as silicon has them.
 
 use crate::{
-    cli::heading,
+    cli::arguments::heading,
     mesh::{Laterals, MeshError, Mismatch, Network, Settled, Sheet},
     plane::{Plane, Size},
 };

@@ -6,9 +6,12 @@ use ndarray::s;
 use super::{constants::Constants, fit::formula, solve};
 use crate::{
     cli::{
-        content::Content,
-        files::{Named, Output},
-        kernels, say,
+        input::kernels,
+        output::{
+            content::Content,
+            files::{Named, Output},
+        },
+        say,
     },
     elementary,
     kernel::Kernel,

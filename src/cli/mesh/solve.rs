@@ -11,10 +11,13 @@ use super::{
 };
 use crate::{
     cli::{
-        budget,
-        content::Content,
-        files::{Named, Output},
-        npy, say,
+        arguments::budget,
+        input::npy,
+        output::{
+            content::Content,
+            files::{Named, Output},
+        },
+        say,
     },
     memory::Need,
     mesh::{MeshError, Steady},

@@ -9,7 +9,11 @@ use super::{
     output::{Show, say_json},
 };
 use crate::{
-    cli::{budget, clip::GivenScene, content::Content, files::Output, light, say},
+    cli::{
+        arguments::{budget, clip::GivenScene, light},
+        output::{content::Content, files::Output},
+        say,
+    },
     memory::Need,
     mesh::{Between, Euler, Flow, MeshError, Sheet},
     npy,

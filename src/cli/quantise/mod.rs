@@ -7,6 +7,23 @@ use std::fmt::Write;
 use image::RgbImage;
 use miette::miette;
 
+use super::{
+    arguments::{
+        budget,
+        clip::Clip,
+        event_rate::NoRate,
+        heading,
+        kernel_names::KernelNames,
+        light,
+        quantiser::{Total, quantiser},
+        window::Window,
+    },
+    output::{
+        content::Content,
+        files::{Named, Output},
+        progress::Progress,
+    },
+};
 use crate::{
     compare::metric::Short,
     compile::Effort,
@@ -26,20 +43,6 @@ use crate::{
         quantisation::{self, Answer, Outcome, Question},
     },
     unit::frame_rate,
-};
-
-use super::{
-    budget,
-    clip::Clip,
-    content::Content,
-    event_rate::NoRate,
-    files::{Named, Output},
-    heading,
-    kernel_names::KernelNames,
-    light,
-    progress::Progress,
-    quantiser::{Total, quantiser},
-    window::Window,
 };
 
 /// What `quantise` is asked to do.
@@ -90,7 +93,7 @@ pub struct Arguments {
     /// The unit is a second of two cores of 2024 for one 3x3 kernel; larger kernels, and several
     /// kernels, take several times as long. The program counts states of the search, not time: a
     /// slower computer takes longer and finds the same program.
-    #[arg(long, value_parser = super::effort::seconds, help_heading = heading::SEARCH)]
+    #[arg(long, value_parser = super::arguments::effort::seconds, help_heading = heading::SEARCH)]
     effort: Option<f64>,
     #[command(flatten)]
     window: Window,

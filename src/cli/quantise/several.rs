@@ -6,7 +6,11 @@ use miette::miette;
 
 use super::{Arguments, Row, drawn, erased, short, table};
 use crate::{
-    cli::{budget, kernels::Kinds, light, progress::Progress},
+    cli::{
+        arguments::{budget, light},
+        input::kernels::Kinds,
+        output::progress::Progress,
+    },
     isa::Device,
     limit::KERNELS,
     photoreceptor::Response,

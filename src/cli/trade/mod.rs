@@ -11,13 +11,12 @@ use miette::miette;
 
 use self::table::Table;
 use super::{
-    budget,
-    clip::GivenScene,
-    content::Content,
-    files::{Input, Named, Output},
-    heading, light,
-    progress::Progress,
-    quantiser::number_format,
+    arguments::{budget, clip::GivenScene, heading, light, quantiser::number_format},
+    output::{
+        content::Content,
+        files::{Input, Named, Output},
+        progress::Progress,
+    },
 };
 use crate::{
     array::Arithmetic,
@@ -57,7 +56,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
     chip: Option<Named>,
     /// Constant of the program to set; may be repeated
-    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::opened::constant, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
+    #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::input::opened_program::constant, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
     constants: Vec<(String, f64)>,
     #[arg(long, conflicts_with = "sensor", value_parser = domain, help = format!("Arithmetic of the full model: {} [default: silicon]", Arithmetic::names()), help_heading = heading::PROGRAM)]
     domain: Option<Arithmetic>,
@@ -104,7 +103,7 @@ fn domain(text: &str) -> Result<Arithmetic, String> {
 
 /// A part of the sensor above 0.
 fn part(text: &str) -> Result<f64, String> {
-    match super::fidelity::percent(text) {
+    match super::arguments::fidelity::percent(text) {
         Ok(part) if part > 0.0 => Ok(part),
         _ => Err(format!(
             "`{text}` is no part of a sensor: give percent, above 0 and up to 100, such as 5%"

@@ -2,12 +2,13 @@
 
 use miette::miette;
 
-use super::{
-    super::{files::Input, opened::Source, quoted::CommandLine},
-    Arguments,
-};
+use super::Arguments;
 use crate::{
     array::{Arithmetic, Schedule},
+    cli::{
+        input::opened_program::Source,
+        output::{command_line::CommandLine, files::Input},
+    },
     photoreceptor::Response,
     rig::Larger,
     study::{

@@ -1,10 +1,11 @@
 //! The trade of a sensor file.
 
-use super::{
-    super::{files::Input, quoted::CommandLine, run::read_sensor},
-    Arguments,
-};
+use super::Arguments;
 use crate::{
+    cli::{
+        output::{command_line::CommandLine, files::Input},
+        run::read_sensor,
+    },
     number::Format,
     reference::Reference,
     study::{

@@ -8,72 +8,59 @@
 //!            report ─ front ─ tables ─ [store] one file a point ─ [run] measured on all cores
 //! ```
 //!
+//! - `study_file`: the study file, its keys, and what the command line sets of it.
+//! - `points`: points, the grid, samples of it, the plan.
+//! - `scene`, `sensor`: what the points watch, and what watches.
+//! - `measurement`: the points of a plan, measured.
+//! - `selection`: searches of many points for the best.
+//! - `results`: the folder of results.
+//! - `tables`: results as tables, and the report.
+//!
 //! `docs/sweeps.md` has a worked example, every key and every column.
 
-pub mod ask;
-mod build;
-mod cached_scene;
-mod column;
-mod contenders;
-mod cut;
-pub mod damage;
-mod difference;
-mod drive;
-mod error;
-mod fidelity;
-pub mod grid;
-pub mod key;
-pub mod left_out;
-mod level_program;
-pub mod limits;
-pub mod manifest;
-mod measure;
-pub mod merge;
-pub mod overrides;
-#[cfg(feature = "parquet")]
-mod parquet;
-mod pilot_file;
-pub mod plan;
-pub mod point;
-pub mod provenance;
-mod read;
-pub mod record;
-mod refusal;
-mod regular;
-pub mod report;
-pub mod request;
-pub mod run;
-pub mod sample;
-pub mod schema;
-mod seal;
-pub mod search;
-mod seen;
+mod measurement;
+mod points;
+mod results;
+mod scene;
+mod selection;
 mod sensor;
-mod shared;
-mod sides;
-mod stamp;
-mod stated;
-pub mod store;
-pub mod study;
-pub mod survivors;
-pub mod table;
-pub mod task_name;
-pub mod thresholds;
-mod truth;
-pub mod value;
-pub mod verify;
+mod study_file;
+mod tables;
 
-pub use ask::Asked;
-pub use damage::Damage;
-pub use error::StoreError;
-pub use limits::{Clock, Limits};
-pub use manifest::Manifest;
-pub use merge::merge;
-pub use overrides::Override;
-pub use plan::Plan;
-pub use provenance::{NUMERICS, Provenance, SCHEMA};
-pub use report::Report;
-pub use request::Request;
-pub use run::{Run, Shard};
-pub use store::Store;
-pub use study::Study;
+pub use self::{
+    measurement::{
+        limits::{self, Clock, Limits},
+        request::{self, Request},
+        run::{self, Run, Shard},
+    },
+    points::{
+        grid,
+        plan::{self, Plan},
+        point, sample, thresholds, value,
+    },
+    results::{
+        damage::{self, Damage},
+        error::StoreError,
+        manifest::{self, Manifest},
+        merge::{self, merge},
+        provenance::{self, NUMERICS, Provenance, SCHEMA},
+        record,
+        store::{self, Store},
+        verify,
+    },
+    selection::{
+        ask::{self, Asked},
+        search, survivors,
+    },
+    study_file::{
+        key,
+        overrides::{self, Override},
+        schema,
+        study::{self, Study},
+    },
+    tables::{
+        left_out,
+        report::{self, Report},
+        table, task_name,
+    },
+};
