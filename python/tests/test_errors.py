@@ -153,6 +153,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: amacrine.quantise("dvs", "ternary", effort=-5),
         "effort needs thresholds",
     ),
+    "seed of no use": (
+        lambda: amacrine.quantise("dvs", ["ternary", "int-5"], seed=0),
+        "seed has no effect without stochastic rounding or thresholds",
+    ),
     "rates of steps": (
         lambda: amacrine.waterfall("dvs", 9, steps=True, rates=25), "leave rates out, or steps"
     ),

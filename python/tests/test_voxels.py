@@ -249,6 +249,7 @@ def test_a_window_beside_which_a_clip_is_nothing_is_told_of(window: float, told:
     all: list[Callable[[], Any]] = [
         lambda: amacrine.Sensor("dvs", 0.2).voxels(clip, 25, bins=2, window=window),
         lambda: amacrine.events.voxels(events, bins=2, window=window),
+        lambda: list(amacrine.Sensor("dvs", 0.2).voxel_windows([clip], 25, bins=2, window=window)),
     ]
     for watch in all:
         with warnings.catch_warnings(record=True) as said:

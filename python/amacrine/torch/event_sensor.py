@@ -73,7 +73,7 @@ class EventSensor(torch.nn.Module):
             ``thresholds`` (``sigma``).
         phase: Begins each memory between two thresholds, at a place of its own that this moves on,
             another for each clip of a batch; left out, all begin at the first frame.
-        seed: Chooses mismatch and phases.
+        seed: Chooses mismatch and phases; that of :meth:`to_sensor` without either, too.
         dtype: ``torch.float32`` or ``torch.float64``: all is computed in it.
         options: Of :class:`amacrine.Sensor`: ``response``, ``memory`` (``"filtered-step"`` or
             ``"filtered-snap"``), ``border``, ``refractory``, ``names``, ``name``.
@@ -146,8 +146,11 @@ class EventSensor(torch.nn.Module):
         # Parameters that are made in inference mode could never be learned.
         with torch.inference_mode(False):
             self._begin(sensor, dtype)
+            own = mismatch is None
             if mismatch is None:
                 mismatch = _mismatch(sensor)
+            if own:
+                self._given_sigma = _GivenSigma.of(sensor, float(mismatch), self.given_thresholds)
             if seed is None:
                 seed = sensor._seed
             self._set(fps, scale, rule, slope, mismatch, phase, seed)
@@ -171,6 +174,7 @@ class EventSensor(torch.nn.Module):
         self.register_buffer("given_thresholds", given)
         self.register_buffer("given_log_thresholds", logarithms)
         self._template = sensor
+        self._given_sigma: _GivenSigma | None = None
 
     def _set(
         self,
@@ -217,6 +221,18 @@ class EventSensor(torch.nn.Module):
         rest = torch.where(at_first, given - limits, 0.0)
         return limits + rest.detach()
 
+    def _sigma(self, limits: torch.Tensor) -> torch.Tensor:
+        """The deviation of the thresholds of each kind, (K,1), on the processor: their mean times the
+        mismatch. Where nothing was learned yet, that of the sensor it began as, to the bit."""
+        limits = limits.double()
+        sigma = self.mismatch * limits.mean(1, keepdim=True)
+        given = self._given_sigma
+        if given is None or given.mismatch != self.mismatch:
+            return sigma
+        # What a number is of another, times that other, may be the number beside it.
+        at_first = (limits == given.thresholds).all(1, keepdim=True)
+        return sigma + torch.where(at_first, given.sigma - sigma, 0.0).detach()
+
     def forward(self, frames: torch.Tensor) -> Watched:
         """The events of clips: light of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W), two frames at
         least."""
@@ -244,8 +260,9 @@ class EventSensor(torch.nn.Module):
             none = (0.0 * (kernels.sum() + thresholds.sum() + light.sum())).to(to)
             voxels = none.new_zeros((0, frames, len(kernels), height, width))
             return Watched(voxels + none, voxels[:, 1:] + none, none)
-        sigma = self.mismatch * thresholds.double().mean(1, keepdim=True)
-        voxels, counts, events = _Watch.apply(kernels, thresholds, sigma, light, how)
+        voxels, counts, events = _Watch.apply(
+            kernels, thresholds, self._sigma(thresholds), light, how
+        )
         return Watched(voxels.to(to), counts.to(to), events.to(to))
 
     def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
@@ -285,8 +302,7 @@ class EventSensor(torch.nn.Module):
         ``phase``; its ``text`` is the file that ``amacrine run --sensor`` takes, of a layer with
         mismatch with ``--seed``, which a comment in it says."""
         limits = self._limits().detach().double()
-        sigma = self.mismatch * limits.mean(1, keepdim=True)
-        parameters = _parameters(self.kernels, limits, sigma)
+        parameters = _parameters(self.kernels, limits, self._sigma(limits))
         text = _amacrine.learned_text(self._template._native, parameters, name)
         if self.mismatch > 0:
             text = f"# The seed that chose the mismatch is not in here: --seed {self.seed}\n{text}"
@@ -304,6 +320,22 @@ def _check_dtype(dtype: torch.dtype) -> None:
     """Refuses what the adjoint is not computed in."""
     if dtype not in (torch.float32, torch.float64):
         raise Error(f"a sensor in {dtype}\nhelp: give torch.float32 or torch.float64")
+
+
+class _GivenSigma(NamedTuple):
+    """The mismatch of the sensor that a layer began as."""
+
+    mismatch: float
+    """As a share of the mean."""
+    thresholds: torch.Tensor
+    """Its thresholds (K,2), as the layer has them."""
+    sigma: torch.Tensor
+    """Their deviations (K,1)."""
+
+    @classmethod
+    def of(cls, sensor: Sensor, mismatch: float, thresholds: torch.Tensor) -> _GivenSigma:
+        sigma = torch.from_numpy(np.stack([limit[2:] for limit in sensor.thresholds]))
+        return cls(mismatch, thresholds.double().clone(), sigma)
 
 
 def _mismatch(sensor: Sensor) -> float:
