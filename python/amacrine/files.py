@@ -255,6 +255,9 @@ def compare(
     """
     made_by = _made_by(sensor, scene, fps, scale, upsample)
     window, place = arguments.micros("within", within), arguments.size(size)
+    for name, packet in {"reference": reference, "judged": judged}.items():
+        if isinstance(packet, bytes):
+            arguments.file(name, packet, "the path of an event file as text, or events")
     one, other = whole(reference), whole(judged)
     _check_kinds(one, other)
     text = _amacrine.compare(

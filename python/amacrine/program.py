@@ -214,7 +214,7 @@ def _registers(given: Any, size: tuple[int, int]) -> list[tuple[str, npt.NDArray
         arguments.unmasked(f"registers: {name}", values)
         try:
             plane = np.broadcast_to(np.asarray(values, np.float64), size)
-        except (TypeError, ValueError) as cause:
+        except (TypeError, ValueError, RuntimeError) as cause:
             raise Error(f"registers: {name}: {cause}\nhelp: give (H,W) of the frames") from cause
         found.append((name, np.ascontiguousarray(plane)))
     return found

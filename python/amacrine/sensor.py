@@ -254,7 +254,9 @@ class EventSensor(ABC):
             cast = voxel.narrowed(out, number)
             return cast if given.batched else cast[0]
         seconds = max(given.frames - 1, 0) / fps
-        length = seconds or 1.0 if window is None else window
+        # The whole clip; no window is shorter than a microsecond.
+        whole = max(seconds, 1e-6) if seconds else 1.0
+        length = whole if window is None else window
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
         voxel.check_length(length, seconds)

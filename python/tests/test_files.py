@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
 import pickle
 import re
 import warnings
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Callable
 
 import amacrine
@@ -204,6 +205,24 @@ def test_columns_of_any_numbers(tmp_path: Path, events: Any, t: str, x: str, p: 
         np.savez(path, **{**columns, name: column})
         with pytest.raises(amacrine.Error, match=f"event 2.*{value}"):
             amacrine.read(path)
+
+
+def test_events_taken_out_of_an_array_are_parts(tmp_path: Path, events: Any) -> None:
+    amacrine.write(tmp_path / "few.npy", list(events[:5]))
+    assert amacrine.read(tmp_path / "few.npy").tobytes() == events[:5].tobytes()
+    amacrine.write(tmp_path / "few.npy", [events[:4], events[4]])
+    assert amacrine.read(tmp_path / "few.npy").tobytes() == events[:5].tobytes()
+
+
+def test_paths_of_any_kind(tmp_path: Path, frames: Frames, events: Any) -> None:
+    """Each is taken by what reads and by what shows."""
+    np.save(tmp_path / "clip.npy", frames)
+    amacrine.write(tmp_path / "e.npy", events)
+    entries = {entry.name: entry for entry in os.scandir(tmp_path)}
+    for path in entries["clip.npy"], PurePath(tmp_path / "clip.npy"):
+        assert np.array_equal(amacrine.load(path, fps=10)[0], frames)
+    for path in entries["e.npy"], PurePath(tmp_path / "e.npy"):
+        assert amacrine.read(path).tobytes() == events.tobytes()
 
 
 def test_any_fields(tmp_path: Path, events: Any) -> None:

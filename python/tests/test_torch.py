@@ -123,6 +123,9 @@ def test_its_mismatch_is_that_which_was_given_to_the_bit(dtype: Any) -> None:
         assert learned.thresholds[0][2] == layer.mismatch * mean
         again = EventSensor.from_sensor(learned, fps=10, dtype=dtype)
         assert again.to_sensor() == learned
+        own = EventSensor(["dvs", "csdvs-3"], [(on, off), off], fps=10, mismatch=round(part, 3), dtype=dtype)
+        again = EventSensor.from_sensor(own.to_sensor(), fps=10, dtype=dtype)
+        assert (again.mismatch, again.to_sensor()) == (own.mismatch, own.to_sensor())
         # Whoever says another has that.
         layer.mismatch = 0.5
         assert layer.to_sensor().thresholds[0][2] == 0.5 * mean

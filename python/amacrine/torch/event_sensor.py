@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import weakref
 from typing import Any, NamedTuple
 
@@ -93,6 +94,9 @@ class EventSensor(torch.nn.Module):
     that takes it.
     """
 
+    _given_sigma: _GivenSigma | None = None
+    """Where the mismatch is that of the sensor it began as."""
+
     def __init__(
         self,
         kernels: Kernels,
@@ -148,7 +152,7 @@ class EventSensor(torch.nn.Module):
             self._begin(sensor, dtype)
             own = mismatch is None
             if mismatch is None:
-                mismatch = _mismatch(sensor)
+                mismatch = _mismatch(sensor, self.given_thresholds)
             if own:
                 self._given_sigma = _GivenSigma.of(sensor, float(mismatch), self.given_thresholds)
             if seed is None:
@@ -174,7 +178,6 @@ class EventSensor(torch.nn.Module):
         self.register_buffer("given_thresholds", given)
         self.register_buffer("given_log_thresholds", logarithms)
         self._template = sensor
-        self._given_sigma: _GivenSigma | None = None
 
     def _set(
         self,
@@ -338,8 +341,12 @@ class _GivenSigma(NamedTuple):
         return cls(mismatch, thresholds.double().clone(), sigma)
 
 
-def _mismatch(sensor: Sensor) -> float:
-    """The mismatch of a sensor's thresholds, as a share of their mean."""
+def _mismatch(sensor: Sensor, thresholds: torch.Tensor) -> float:
+    """The mismatch of a sensor, as a share of the mean of its thresholds (K,2) as a layer has them.
+
+    Of the numbers beside the quotient that give the deviations back, the shortest: of a layer's sensor
+    the share that the layer had.
+    """
     shares = [float(limit[2] / limit[:2].mean()) for limit in sensor.thresholds]
     if max(shares) - min(shares) > 1e-9:
         told = ", ".join(f"{share:.4g}" for share in shares)
@@ -347,7 +354,17 @@ def _mismatch(sensor: Sensor) -> float:
             f"{sensor.name}: the mismatch of its kinds of cells is {told} of their thresholds\n"
             "help: give one for all, such as mismatch=0.1"
         )
-    return shares[0]
+    means: list[float] = thresholds.double().mean(1).tolist()
+    deviations = [float(limit[2]) for limit in sensor.thresholds]
+    near = [deviations[0] / means[0]]
+    for end in (0.0, math.inf):
+        beside = near[0]
+        for _ in range(2):
+            beside = math.nextafter(beside, end)
+            near.append(beside)
+    pairs = list(zip(means, deviations))
+    fitting = (share for share in near if all(share * mean == of for mean, of in pairs))
+    return min(fitting, key=lambda share: len(repr(share)), default=near[0])
 
 
 def _parameters(
