@@ -168,8 +168,18 @@ def test_what_no_layer_begins_as() -> None:
     clip = np.random.default_rng(0).integers(0, 2, (4, 8, 8)).astype(bool)
     both = [layer(frames).counts for frames in (torch.from_numpy(clip), clip, clip[:, ::-1, ::-1][:, ::-1, ::-1])]
     assert both[0].any() and all(torch.equal(one, both[0]) for one in both)
-    with pytest.raises(amacrine.Error, match="no light"):
-        layer("clip.mp4")
+    turned = [layer(clip.astype(dtype)).counts for dtype in (">f4", ">u2", "f2", ">f8")]
+    assert all(torch.equal(one, both[0]) for one in turned)
+    light = torch.from_numpy(clip).float()
+    for odd, told in (
+        ("clip.mp4", "no light"),
+        (clip.astype(object), "dtype object are no light"),
+        (np.ma.masked_array(clip), "whose mask would be ignored"),
+        (light.to_sparse(), "a tensor that is sparse"),
+        (light.to("meta"), "a tensor without memory"),
+    ):
+        with pytest.raises(amacrine.Error, match=told):
+            layer(odd)
     text = EventSensor("dvs", 0.1, fps=10, mismatch=0.1, seed=7).to_sensor().text
     assert "--seed 7" in text and "seed" not in layer.to_sensor().text
 

@@ -271,12 +271,10 @@ class EventSensor(torch.nn.Module):
     def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
         """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
         if not isinstance(frames, torch.Tensor):
-            try:
-                frames = torch.as_tensor(np.ascontiguousarray(frames), device="cpu")
-            except (TypeError, ValueError, RuntimeError) as cause:
-                raise Error(
-                    f"frames of type {type(frames).__name__} are no light\nhelp: give a tensor or an array"
-                ) from cause
+            frames = _tensor(frames)
+        if frames.layout != torch.strided or frames.is_meta:
+            what = "without memory (meta)" if frames.is_meta else "that is sparse"
+            raise Error(f"frames are a tensor {what}\nhelp: give a dense one (tensor.to_dense())")
         shape = tuple(frames.shape)
         if frames.is_complex():
             raise Error(f"frames of dtype {frames.dtype} are no light\nhelp: give uint8 or floats")
@@ -317,6 +315,18 @@ class EventSensor(torch.nn.Module):
         kinds, rows, columns = self.kernels.shape
         count = "1 kind" if kinds == 1 else f"{kinds} kinds"
         return f"{count} of {rows}x{columns}, fps={self.fps}, rule={self.rule or 'by memory'}"
+
+
+def _tensor(frames: Any) -> torch.Tensor:
+    """An array as a tensor; in the byte order of the machine, since tensors have no other."""
+    arguments.unmasked("frames", frames)
+    called = type(frames).__name__
+    try:
+        array = np.ascontiguousarray(frames)
+        called = f"{called} and dtype {array.dtype}"
+        return torch.as_tensor(array.astype(array.dtype.newbyteorder("="), copy=False), device="cpu")
+    except (TypeError, ValueError, RuntimeError) as cause:
+        raise Error(f"frames of type {called} are no light\nhelp: give a tensor or an array") from cause
 
 
 def _check_dtype(dtype: torch.dtype) -> None:
