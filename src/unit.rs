@@ -68,10 +68,7 @@ impl Lsb {
 impl fmt::Display for Lsb {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = f.precision().unwrap_or(2);
-        let text = format!("{:.digits$}", self.0);
-        let zero = text.bytes().all(|byte| b"-0.".contains(&byte));
-        let shown = text.strip_prefix('-').filter(|_| zero).unwrap_or(&text);
-        write!(f, "{shown} LSB")
+        write!(f, "{} LSB", fixed(self.0, digits))
     }
 }
 
@@ -267,6 +264,26 @@ pub fn counted(number: impl Copy + fmt::Display + PartialEq + From<u8>, thing: &
     format!("{number} {thing}{plural}")
 }
 
+/// A number with so many digits behind the point, and no sign where all digits shown are 0.
+#[must_use]
+pub fn fixed(number: f64, digits: usize) -> String {
+    unsigned_zero(format!("{number:.digits$}"))
+}
+
+/// The same with its sign: `+1.50`, `-0.01`, `0.00`.
+#[must_use]
+pub fn signed(number: f64, digits: usize) -> String {
+    unsigned_zero(format!("{number:+.digits$}"))
+}
+
+/// A rounded number as it was written, without the sign of a zero: what was rounded away is no side.
+fn unsigned_zero(text: String) -> String {
+    match text.strip_prefix(['-', '+']) {
+        Some(digits) if digits.bytes().all(|byte| b"0.".contains(&byte)) => digits.to_owned(),
+        _ => text,
+    }
+}
+
 /// A number to five digits, with no zeros at the end: `0.25`, `1e-6`, `51000`.
 #[must_use]
 pub fn five_digits(number: f64) -> String {
@@ -322,6 +339,15 @@ mod tests {
     fn nothing_has_no_sign() {
         let shown = [-0.0, -0.004, -0.006, 1.5].map(|lsb| format!("{:.2}", Lsb(lsb)));
         assert_eq!(shown, ["0.00 LSB", "0.00 LSB", "-0.01 LSB", "1.50 LSB"]);
+        let numbers = [-0.0, -0.004, 0.004, -0.006, 1.5, f64::NEG_INFINITY];
+        let plain = ["0.00", "0.00", "0.00", "-0.01", "1.50", "-inf"];
+        assert_eq!(numbers.map(|number| fixed(number, 2)), plain);
+        let both = ["0.00", "0.00", "0.00", "-0.01", "+1.50", "-inf"];
+        assert_eq!(numbers.map(|number| signed(number, 2)), both);
+        assert_eq!(
+            [-0.4, 0.4, -1.4].map(|number| signed(number, 0)),
+            ["0", "0", "-1"]
+        );
     }
 
     #[test]

@@ -156,13 +156,16 @@ fn differences_are_those_at_equal_bits() {
     assert_eq!(report.arms(), ["dvs", "rgc", "same", "none"]);
     assert_eq!(report.metrics(), [Metric::Psnr, Metric::Ssim]);
     let won = report.difference("rgc", "dvs", Metric::Psnr).unwrap();
-    assert!((won.mean - 1.0).abs() < 0.15 && won.shown(), "{won:?}");
+    assert!(
+        (won.mean - 1.0).abs() < 0.15 && won.shown(Metric::Psnr),
+        "{won:?}"
+    );
     assert!(won.interval[0] < won.mean && won.mean < won.interval[1]);
     assert_eq!((won.photographs, won.seeds), (6, 3));
     // Photographs differ by 2 dB, but alike for both arms.
     assert!(won.interval[1] - won.interval[0] < 0.6, "{won:?}");
     let none = report.difference("same", "dvs", Metric::Psnr).unwrap();
-    assert!(!none.shown(), "{none:?}");
+    assert!(!none.shown(Metric::Psnr), "{none:?}");
     assert_eq!(report.difference("none", "dvs", Metric::Psnr), None);
     // The other way round it is the other sign.
     let lost = report.difference("dvs", "rgc", Metric::Psnr).unwrap();
@@ -175,7 +178,10 @@ fn differences_are_those_at_equal_bits() {
     let dear = Report::new(record)
         .difference("same", "dvs", Metric::Psnr)
         .unwrap();
-    assert!((dear.mean + 3.0).abs() < 0.2 && dear.shown(), "{dear:?}");
+    assert!(
+        (dear.mean + 3.0).abs() < 0.2 && dear.shown(Metric::Psnr),
+        "{dear:?}"
+    );
 }
 
 #[test]
@@ -341,6 +347,60 @@ fn what_is_kept_and_what_is_won_are_of_the_same_clips() {
     assert!((0.4..0.8).contains(&share), "{share}");
 }
 
+/// What is told as 0 has no sign, and is neither better nor worse, however sure it is.
+#[test]
+fn what_rounds_to_nothing_is_not_better() {
+    let flow = |arm: &str, epe: f64| {
+        let of_arm = |row: Row| Row {
+            arm: arm.to_owned(),
+            psnr: None,
+            ssim: None,
+            epe: Some(epe),
+            ..row
+        };
+        rows("dvs", 0.0).into_iter().map(of_arm).collect::<Vec<_>>()
+    };
+    for (epe, says) in [
+        (0.4998, "0.000, from 0.000 to 0.000: not shown"),
+        (0.5002, "0.000, from 0.000 to 0.000: not shown"),
+        (0.4988, "-0.001, from -0.001 to -0.001: better"),
+        (0.5012, "+0.001, from +0.001 to +0.001: worse"),
+    ] {
+        let report = Report::new(Record {
+            goal: "flow".to_owned(),
+            rows: [flow("dvs", 0.5), flow("rgc", epe)].concat(),
+            kernels: Vec::new(),
+            ..record()
+        });
+        let (table, page) = (report.table(), report.page());
+        let line = format!("rgc minus dvs  {says}");
+        assert!(table.contains(&line) && page.contains(says), "{table}");
+    }
+    // The surround of `fs-dvs` likewise.
+    let mut none = record();
+    for (ring, kernel) in [-4e-5, -5e-5, -6e-5]
+        .iter()
+        .zip(none.kernels.iter_mut().rev())
+    {
+        for (n, weight) in kernel.kernels[0].iter_mut().flatten().enumerate() {
+            *weight = if n == 4 { 1.0 } else { *ring };
+        }
+    }
+    let last = none.kernels.split_off(none.kernels.len() - 3);
+    none.kernels = { (0..).zip(last) }
+        .map(|(seed, own)| KernelAt {
+            seed,
+            step: 200,
+            ..own
+        })
+        .collect();
+    let told = Report::new(none).table();
+    assert!(
+        told.contains("? not shown; its surround weighs 0.000 of its centre"),
+        "{told}"
+    );
+}
+
 /// One photograph or one seed says nothing of others, however many clips there are.
 #[test]
 fn one_of_a_kind_shows_nothing() {
@@ -358,7 +418,7 @@ fn one_of_a_kind_shows_nothing() {
     for (record, interval, note) in says {
         let report = Report::new(record);
         let difference = report.difference("rgc", "dvs", Metric::Psnr).unwrap();
-        assert!(!difference.shown(), "{difference:?}");
+        assert!(!difference.shown(Metric::Psnr), "{difference:?}");
         let (table, page) = (report.table(), report.page());
         let line = { table.lines() }.find(|line| line.starts_with("rgc minus dvs"));
         let line = line.unwrap();

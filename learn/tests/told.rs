@@ -350,6 +350,41 @@ fn options_of_every_verb_may_stand_first() {
     assert!(report.status.success(), "{}", flat(&report));
 }
 
+/// A dead time that costs most events is told once, with what it costs and one that does not; where it
+/// costs few, and where nothing learns by a gradient, nothing is.
+#[test]
+fn a_dead_time_that_costs_most_events_is_told() {
+    let told = |arms: &str, targets: &str, us: u64| {
+        let text = text(arms).replace("[0.05]", targets);
+        let (folder, _) = with_task(&format!("{text}[sensor]\nrefractory-us = {us}\n"));
+        let output = learn(folder.path(), "mine.toml -o r --dry-run");
+        assert!(output.status.success(), "{}", flat(&output));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let warning = told("\"dvs\", \"rgc\", \"fs-dvs\"", "[0.01, 0.5, 0.9]", 4000);
+    assert_eq!(warning.matches("Warning: ").count(), 1, "{warning}");
+    let costs = "the dead time of 4000 us costs most events of rgc on the task's first clips, ";
+    assert!(
+        warning.starts_with(&format!("Warning: {costs}")),
+        "{warning}"
+    );
+    let number = |after: &str, before: &str| -> f64 {
+        let rest = warning.split(after).nth(1).unwrap();
+        rest.split(before).next().unwrap().parse().unwrap()
+    };
+    let most = number(" at 0.5 events a pixel and pair, ", " % at 0.9 events");
+    assert!((50.0..100.0).contains(&most), "{warning}");
+    assert!(!warning.contains("at 0.01 events"), "{warning}");
+    let shorter = number("refractory-us = ", ", which costs ");
+    assert!((50.0..=2000.0).contains(&shorter), "{warning}");
+    let less = number(", which costs ", " %\n");
+    assert!((1.0..=50.0).contains(&less), "{warning}");
+    // Taken, it is not told of.
+    assert_eq!(told("\"rgc\"", "[0.9]", shorter as u64), "");
+    assert_eq!(told("\"rgc\"", "[0.01]", 4000), "");
+    assert_eq!(told("\"dvs\"", "[0.9]", 4000), "");
+}
+
 /// The same picture on both sides is told, whatever the two are called.
 #[test]
 fn a_photograph_on_both_sides_is_told() {

@@ -10,7 +10,7 @@ import functools
 import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any, ParamSpec, TypeVar, Union
 
 import numpy as np
@@ -198,7 +198,8 @@ def one_of(name: str, given: Any, known: tuple[str, ...]) -> str:
 
 def file(name: str, given: Any, what: str) -> File:
     """The path of a file, or the name of what comes with the package."""
-    if not isinstance(given, (str, PathLike)):
+    # A path of bytes, as os.scandir(b"…") gives, is refused as bytes are.
+    if not isinstance(given, (str, PathLike)) or not isinstance(fspath(given), str):
         raise Error(f"{name} = {given!r} is no path\nhelp: give {what}")
     return given
 

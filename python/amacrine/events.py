@@ -153,7 +153,8 @@ def whole(events: Any) -> Any:
         return events
     if not all(fields_of(part) for part in events):
         return events
-    parts = [part.to_records(index=False) if hasattr(part, "to_records") else part for part in events]
+    # One event taken out of an array has no axis.
+    parts = [one.reshape(1) if one.ndim == 0 else one for one in map(_records, events)]
     try:
         return np.concatenate(parts)
     except TypeError as error:
@@ -228,13 +229,25 @@ def check_addresses(path: Any, events: Events, size: tuple[int, int]) -> None:
             )
 
 
+def _records(events: Any) -> Any:
+    """A pandas data frame as a structured array; else what was given."""
+    if not hasattr(events, "to_records"):
+        return events
+    try:
+        return events.to_records(index=False)
+    except (TypeError, ValueError) as cause:
+        raise Error(f"events of a data frame that is no structured array: {cause}\nhelp: {FIELDS}") from cause
+
+
 def _array(events: Any) -> npt.NDArray[Any]:
     """Events of a structured array or a pandas data frame, one after the other, their fields
     checked."""
-    if hasattr(events, "to_records"):
-        events = events.to_records(index=False)
+    events = _records(events)
     arguments.unmasked("events", events)
-    given = np.asarray(events).ravel()
+    try:
+        given = np.asarray(events).ravel()
+    except (TypeError, ValueError, RuntimeError) as cause:
+        raise Error(f"the events are no array: {cause}\nhelp: {FIELDS}") from cause
     names = given.dtype.names
     if names is None:
         raise Error(f"events of dtype {given.dtype} have no fields\nhelp: {FIELDS}")

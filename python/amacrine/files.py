@@ -255,6 +255,9 @@ def compare(
     """
     made_by = _made_by(sensor, scene, fps, scale, upsample)
     window, place = arguments.micros("within", within), arguments.size(size)
+    for name, packet in {"reference": reference, "judged": judged}.items():
+        if isinstance(packet, bytes):
+            arguments.file(name, packet, "the path of an event file as text, or events")
     one, other = whole(reference), whole(judged)
     _check_kinds(one, other)
     text = _amacrine.compare(
@@ -291,24 +294,36 @@ def _made_by(given: Any, scene: Any, fps: Any, scale: Any, upsample: Any) -> Any
 
 
 def _check_kinds(reference: Any, judged: Any) -> None:
-    """Refuses several kinds of cells against one where an array is among the two: it does not say how
-    many there are. Two files say it to each other."""
+    """Refuses several kinds of cells against one where an array is among the two. What a file did not
+    say is as many as the other has, as between two files, also where it was read into an array."""
     both = reference, judged
     if all(isinstance(packet, (str, PathLike)) for packet in both):
         return
-    said = ["several kinds" if _has_kinds(packet) else "one kind" for packet in both]
-    if said[0] != said[1]:
+    said = [_kinds_said(packet) for packet in both]
+    if None not in said and said[0] != said[1]:
         raise Error(
             f"the reference has {said[0]} of cells, the judged packet {said[1]}\n"
             "help: judge one kind at a time, such as events[events['channel'] == 0] without the field"
         )
 
 
-def _has_kinds(packet: Any) -> bool:
-    """Whether there are several kinds of cells."""
+def _kinds_said(packet: Any) -> str | None:
+    """Whether there are several kinds of cells, or one; none where only events of the first are there
+    and nobody says of how many."""
     if isinstance(packet, (str, PathLike)):
-        return about(packet).channels > 1
-    return "channel" in fields_of(packet)
+        of = about(packet)
+        is_known, count = of.channels_known, of.channels
+    elif "channel" in fields_of(packet):
+        known, own = kinds_of(packet, None), np.asarray(packet["channel"])
+        # What is no channel is told of with its event, later.
+        least = int(np.max(own, initial=0)) + 1 if own.dtype.kind in "uib" else 1
+        is_known, count = known is not None, max(known or 1, least)
+    else:
+        # An array without the field is of one kind, unless it is of a file that does not say it.
+        is_known, count = not isinstance(packet, NamedEvents) or packet.kinds is not None, 1
+    if count > 1:
+        return "several kinds"
+    return "one kind" if is_known else None
 
 
 _Side = tuple[

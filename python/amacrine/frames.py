@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from os import PathLike, fspath
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -144,7 +143,7 @@ def _numbers(array: npt.NDArray[Any], scale: float | None) -> tuple[npt.NDArray[
 
 
 def load(
-    scene: str | Path | None = None,
+    scene: arguments.File | None = None,
     *,
     fps: float | None = None,
     scale: float | None = None,
@@ -180,14 +179,16 @@ def load(
         whole numbers, else ``float64``, as that of most mp4 is: ``scale=1`` says that it is light
         already.
     """
-    if scene is not None and not isinstance(scene, (str, Path)):
+    if scene is not None and not isinstance(scene, (str, PathLike)):
         raise Error(
             f"a scene of type {type(scene).__name__}\nhelp: give the name of a clip; an array is one"
         )
+    if scene is not None:
+        arguments.file("scene", scene, "the name of a clip, or its path as text")
     rate = None if fps is None else arguments.rate(fps)
     first = None if frames is None else arguments.whole("frames", frames)
     by = None if scale is None else arguments.scale(scale)
-    name = None if scene is None else str(scene)
+    name = None if scene is None else str(fspath(scene))
     coded = (
         arguments.one_of("range", range, _amacrine.RANGES),
         arguments.one_of("transfer", transfer, _amacrine.TRANSFERS),
@@ -217,7 +218,9 @@ def shown(
     fps = None if fps is None else arguments.rate(fps)
     if scene is None or isinstance(scene, (str, PathLike)):
         by = None if scale is None else arguments.scale(scale)
-        return None if scene is None else str(fspath(scene)), None, fps, by
+        if scene is not None:
+            scene = fspath(arguments.file("scene", scene, "the name of a clip, or its path as text"))
+        return scene, None, fps, by
     given = clips(scene, scale)
     if given.batched:
         raise Error("several clips where one is watched\nhelp: give an array of shape (T,H,W)")

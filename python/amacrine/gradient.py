@@ -165,7 +165,7 @@ def forward(
     """
     check_float(sensor)
     try:
-        number = np.dtype(dtype)
+        number = np.dtype("none" if dtype is None else dtype)
     except TypeError:
         raise Error(f"no dtype {dtype!r}\nhelp: give float32 or float64") from None
     if number not in (np.float32, np.float64):
@@ -200,7 +200,7 @@ def check_float(sensor: Any) -> None:
 def seconds(frames: int, fps: float | None, times: npt.ArrayLike | None) -> list[float]:
     """The time of each frame."""
     if frames < 2:
-        raise Error(f"{frames} frames\nhelp: give at least two frames: the first makes no event")
+        raise Error(f"{frames} frame{'s' * (frames != 1)}\nhelp: give at least two frames: the first makes no event")
     if times is not None:
         if fps is not None:
             raise Error("fps and times both say when frames are\nhelp: give one of them")

@@ -148,7 +148,8 @@ class Program:
                 program says, or ``exact``.
             clip: Whether every store is limited to the range of a register; else what the program
                 says, or not.
-            seed: Which chip and which noise, in ``silicon``.
+            seed: Which chip and which noise, in ``silicon``; taken and not used in the other domains,
+                whose cells do not err, so that one call serves all.
             without: Errors of analogue cells to leave out: ``"converter"``, ``"saturation"``,
                 ``"transfer"``, ``"mismatch"``, ``"noise"``, ``"decay"``.
             edge: What registers off the array hold, in LSB; else what the program says, or 0.
@@ -213,7 +214,7 @@ def _registers(given: Any, size: tuple[int, int]) -> list[tuple[str, npt.NDArray
         arguments.unmasked(f"registers: {name}", values)
         try:
             plane = np.broadcast_to(np.asarray(values, np.float64), size)
-        except (TypeError, ValueError) as cause:
+        except (TypeError, ValueError, RuntimeError) as cause:
             raise Error(f"registers: {name}: {cause}\nhelp: give (H,W) of the frames") from cause
         found.append((name, np.ascontiguousarray(plane)))
     return found

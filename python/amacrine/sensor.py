@@ -253,7 +253,9 @@ class EventSensor(ABC):
             cast = voxel.narrowed(out, number)
             return cast if given.batched else cast[0]
         seconds = max(given.frames - 1, 0) / fps
-        length = seconds or 1.0 if window is None else window
+        # The whole clip; no window is shorter than a microsecond.
+        whole = max(seconds, 1e-6) if seconds else 1.0
+        length = whole if window is None else window
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
         voxel.check_length(length, seconds)
@@ -307,16 +309,17 @@ class EventSensor(ABC):
         how = voxel.how(bins, window, every, causal, polarity, share, normalise)
         stream = self.stream(fps, scale=scale)
         parts = arguments.parts(parts)
-        return self._windows_of(parts, stream, how, polarity, voxel.number(dtype))
+        return self._windows_of(parts, stream, (how, window), polarity, voxel.number(dtype))
 
     def _windows_of(
         self,
         parts: Iterable[Any],
         stream: Stream,
-        how: _amacrine.Voxels,
+        asked: tuple[_amacrine.Voxels, float],
         polarity: str,
         number: np.dtype[Any],
     ) -> Iterator[npt.NDArray[Any]]:
+        how, window = asked
         opened: _amacrine.Stream | None = None
         one: tuple[int, ...] = ()
         for part in parts:
@@ -329,7 +332,10 @@ class EventSensor(ABC):
                 for values in run.windows(clip[n : n + PART], None, opened):
                     yield voxel.narrowed(values, number).reshape(one)
         if opened is not None:
-            for values in opened.rest(round(max(stream.seen - 1, 0) / stream.fps * 1e6)):
+            seconds = max(stream.seen - 1, 0) / stream.fps
+            # How long the clip is nobody knows before; it is said with the windows that its end leaves.
+            voxel.check_length(window, seconds)
+            for values in opened.rest(round(seconds * 1e6)):
                 yield voxel.narrowed(values, number).reshape(one)
         stream._caution(over=True)
 
@@ -431,7 +437,8 @@ class Sensor(EventSensor):
         names: What the kinds of cells are called.
         name: What the sensor is called.
         seed: Chooses mismatch and noise, both together and the same in every clip, of a batch or
-            not; 0 is a seed as any other. Give each clip of training data its own.
+            not; 0 is a seed as any other. Give each clip of training data its own. A sensor without
+            mismatch and noise takes one, too: it is handed on to its program (:meth:`on_chip`).
         format: The number format of signals, weights and memory: ``f64``, ``f32``, ``f16``,
             ``bf16``, ``q8.8``, …
         max_events: More events of a clip than this are an error, where events are listed:
@@ -823,7 +830,8 @@ class ChipSensor(EventSensor):
         return self.with_domain(self._how[1], seed=seed)
 
     def with_domain(self, domain: str, *, seed: int | None = None) -> ChipSensor:
-        """The same program on cells that hold something else, or on another chip (``seed``)."""
+        """The same program on cells that hold something else, or on another chip (``seed``, which
+        cells without errors keep for when they have some again)."""
         own, _, slots, most = self._how
         domain = _domain(domain)
         how = (own if seed is None else arguments.whole("seed", seed), domain, slots, most)

@@ -97,7 +97,7 @@ class QuantisedList(list[Any]):
 
 @overload
 def quantise(
-    kernel: Cells, to: str | Sequence[str], *, sum: str = "kept", seed: int = 0
+    kernel: Cells, to: str | Sequence[str], *, sum: str = "kept", seed: int | None = None
 ) -> Any: ...
 @overload
 def quantise(
@@ -112,7 +112,7 @@ def quantise(
     chip: str | Path | None = None,
     within: float | None = None,
     effort: float | None = None,
-    seed: int = 0,
+    seed: int | None = None,
 ) -> Answer: ...
 @arguments.renamed(threshold="thresholds")
 def quantise(
@@ -127,7 +127,7 @@ def quantise(
     chip: str | Path | None = None,
     within: float | None = None,
     effort: float | None = None,
-    seed: int = 0,
+    seed: int | None = None,
 ) -> Any:
     """A kernel in few values, or several, and what that does to them.
 
@@ -143,6 +143,8 @@ def quantise(
         chip: A shipped chip by name, or the folder of another; ``"scamp5"`` where it is left out.
         effort: How long to search for each program, as for :meth:`Sensor.on_chip`; 1 where it is left
             out.
+        seed: Of stochastic rounding (``"q3.4:stochastic"``), of the searches and of the silicon; 0 where
+            it is left out. Refused where none of these is there.
 
     Returns:
         A :class:`Quantised`, a list of them where several quantisers were asked for; of several
@@ -157,6 +159,7 @@ def quantise(
     of, several = _kinds(kernel), not isinstance(to, str)
     given, limits = of.named, of.limits(thresholds)
     values, total = names("to", to), word("sum", sum, "kept")
+    drawn = None if seed is None else whole("seed", seed)
     if limits is None:
         of_chip = {
             "within": within,
@@ -175,7 +178,7 @@ def quantise(
                 )
         if not values:
             raise Error("to names no quantiser\nhelp: give one, such as to=\"ternary\"")
-        found = json.loads(_amacrine.quantise(given, values, total, whole("seed", seed)))
+        found = json.loads(_amacrine.quantise(given, values, total, drawn))
         each = [
             QuantisedList(_quantised(name, of) for of in few)
             for (name, _), few in zip(given, found)
@@ -183,7 +186,7 @@ def quantise(
         of_kernels = QuantisedList(each if several else [few[0] for few in each])
         return of_kernels if len(given) > 1 else of_kernels[0]
     search = _search(
-        total, "scamp5" if chip is None else chip, 1.0 if effort is None else effort, seed
+        total, "scamp5" if chip is None else chip, 1.0 if effort is None else effort, drawn or 0
     )
     how = search, shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
@@ -456,7 +459,8 @@ def trade(
     Returns:
         ``points``, a table with ``name``, ``error``, ``seconds``, ``seconds_range``, ``on_front``,
         ``is_knee``, ``command`` and more; ``knee`` is the name of the best, and ``command`` what runs
-        it, of ``sensor`` or ``program`` on ``frames``. It is a drawing in a notebook.
+        it, of ``sensor`` or ``program`` on ``frames``; both are None where nothing is known of any
+        model, which ``no_knee`` says. It is a drawing in a notebook.
         ``docs/fidelity.md`` says what the limits mean.
     """
     if not isinstance(sensor, (Sensor, Program)):

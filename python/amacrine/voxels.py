@@ -56,6 +56,9 @@ def check_length(window: float, seconds: float) -> None:
 
 def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
     """The type of voxels."""
+    if dtype is None:
+        # For numpy that is float64, for whoever leaves it out float32.
+        raise Error("no dtype None\nhelp: give float16, float32 or float64")
     # PyTorch's types are called as numpy's are.
     named = str(dtype).removeprefix("torch.")
     try:

@@ -4,6 +4,7 @@ line."""
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import Any, Callable
@@ -39,6 +40,20 @@ def _odd(field: str, value: int) -> Any:
 def _any(of: Any) -> Any:
     """What the types do not let through."""
     return of
+
+
+class NoArray:
+    """What numpy makes no array of, as an xarray.Dataset, or a tensor that has a gradient."""
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        raise RuntimeError("none of it")
+
+
+class NoTable:
+    """A data frame whose columns have the same names."""
+
+    def to_records(self, index: bool) -> Any:
+        raise ValueError("a column twice")
 
 
 LARGE = np.zeros((4, 8, 300), np.uint8)
@@ -136,6 +151,17 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "no events": (lambda: amacrine.write("x.npy", np.zeros(3)), "the fields t, x, y and p"),
     "backwards": (lambda: amacrine.write("x.npy", _events([5, 3])), 'event 1 of the array: `t` runs backwards'),
     "extension": (lambda: amacrine.write("x.tiff", _events([3])), "known are"),
+    "no array of events": (lambda: amacrine.write("x.npy", _any(NoArray())), "the events are no array: none of it"),
+    "columns twice": (lambda: amacrine.write("x.npy", _any(NoTable())), "no structured array: a column twice"),
+    "path of bytes": (lambda: amacrine.read(b"a.npy"), "path = b'a.npy' is no path"),  # type: ignore[arg-type]
+    "path like bytes": (lambda: amacrine.read(next(os.scandir(b"/"))), "is no path"),  # type: ignore[arg-type]
+    "compared bytes": (lambda: amacrine.compare(b"a.npy", b"b.npy"), "reference = b'a.npy' is no path"),  # type: ignore[arg-type]
+    "scene of bytes": (lambda: amacrine.load(next(os.scandir(b"/"))), "is no path"),  # type: ignore[arg-type]
+    "dtype of None": (lambda: sensor().voxels(GOOD, 9, bins=1, dtype=_any(None)), "no dtype None"),
+    "register that is no array": (
+        lambda: amacrine.Program.from_file("dvs/snap").run(GOOD, 9, registers={"A": NoArray()}),
+        "registers: A: none of it",
+    ),
     "file": (lambda: amacrine.read("no-such.npy"), "no-such.npy"),
     "scene": (lambda: amacrine.load("no-such.mp4"), "no-such.mp4"),
     "pattern": (lambda: amacrine.load("pattern:baar"), "baar"),
@@ -152,6 +178,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "effort of no use": (
         lambda: amacrine.quantise("dvs", "ternary", effort=-5),
         "effort needs thresholds",
+    ),
+    "seed of no use": (
+        lambda: amacrine.quantise("dvs", ["ternary", "int-5"], seed=0),
+        "seed has no effect without stochastic rounding or thresholds",
     ),
     "rates of steps": (
         lambda: amacrine.waterfall("dvs", 9, steps=True, rates=25), "leave rates out, or steps"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
 import pickle
 import re
 import warnings
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Callable
 
 import amacrine
@@ -206,6 +207,24 @@ def test_columns_of_any_numbers(tmp_path: Path, events: Any, t: str, x: str, p: 
             amacrine.read(path)
 
 
+def test_events_taken_out_of_an_array_are_parts(tmp_path: Path, events: Any) -> None:
+    amacrine.write(tmp_path / "few.npy", list(events[:5]))
+    assert amacrine.read(tmp_path / "few.npy").tobytes() == events[:5].tobytes()
+    amacrine.write(tmp_path / "few.npy", [events[:4], events[4]])
+    assert amacrine.read(tmp_path / "few.npy").tobytes() == events[:5].tobytes()
+
+
+def test_paths_of_any_kind(tmp_path: Path, frames: Frames, events: Any) -> None:
+    """Each is taken by what reads and by what shows."""
+    np.save(tmp_path / "clip.npy", frames)
+    amacrine.write(tmp_path / "e.npy", events)
+    entries = {entry.name: entry for entry in os.scandir(tmp_path)}
+    for path in entries["clip.npy"], PurePath(tmp_path / "clip.npy"):
+        assert np.array_equal(amacrine.load(path, fps=10)[0], frames)
+    for path in entries["e.npy"], PurePath(tmp_path / "e.npy"):
+        assert amacrine.read(path).tobytes() == events.tobytes()
+
+
 def test_any_fields(tmp_path: Path, events: Any) -> None:
     other = np.zeros(len(events), [("p", "?"), ("y", ">u4"), ("x", "<u8"), ("t", "<u4")])
     for name in ("t", "x", "y", "p"):
@@ -237,6 +256,39 @@ def test_compare_is_that_of_the_program(
     same = amacrine.compare(events, events)
     assert same.equal and same.headline.kept == 1
     assert 0 < amacrine.compare(events, judged, within=1e-3).headline.kept < 1
+
+
+def test_a_file_that_says_no_kinds_is_compared_as_an_array_as_well(
+    program: Callable[..., str], tmp_path: Path
+) -> None:
+    """What saw only its first kind, or has no place for kinds, is of as many as the other."""
+    several = np.zeros(40, amacrine.EVENT_OF_KINDS)
+    several["t"], several["x"] = np.arange(40) * 1000, np.arange(40) % 7
+    several["channel"] = np.arange(40) % 2
+    first, a = several[several["channel"] == 0], tmp_path / "a.npy"
+    amacrine.write(a, several, size=(4, 8))
+    for name, text in (
+        ("zeros.csv", "t,x,y,p,channel\n" + "".join(f"{t},{x},0,0,0\n" for t, x, *_ in first.tolist())),
+        ("none.csv", "t,x,y,p\n" + "".join(f"{t},{x},0,0\n" for t, x, *_ in first.tolist())),
+    ):
+        b = tmp_path / name
+        b.write_text(text, encoding="utf-8")
+        stated = json.loads(program("compare", a, b, "--json"))["headline"]["kept"]
+        for reference, judged in (
+            (a, b), (amacrine.read(a), b), (a, amacrine.read(b)), (amacrine.read(a), amacrine.read(b)),
+            (several, amacrine.read(b)), (several, b),
+        ):
+            answer = amacrine.compare(reference, judged, size=(4, 8))
+            assert answer.headline.kept == stated
+            back = amacrine.compare(judged, reference, size=(4, 8))
+            assert back.matched == answer.matched == len(first)
+    # A column of zeros says no more than no column does; of several kinds it is the first.
+    assert amacrine.compare(a, first, size=(4, 8)).headline.kept == stated
+    plain = np.zeros(3, amacrine.EVENT)
+    assert amacrine.compare(first[:3], plain, size=(4, 8)).events == [3, 3]
+    for wrong in (plain, amacrine.Sensor("dvs", 0.1).events(np.zeros((2, 4, 8), np.uint8), 10)):
+        with pytest.raises(amacrine.Error, match="has several kinds of cells, the judged packet one kind"):
+            amacrine.compare(several, wrong, size=(4, 8))
 
 
 def test_compare_runs_the_sensor_of_the_reference(

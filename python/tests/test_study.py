@@ -32,6 +32,12 @@ def test_quantise(program: Callable[..., str]) -> None:
 def test_several_kernels_are_quantised(program: Callable[..., str]) -> None:
     random = np.random.default_rng(3)
     three = random.normal(size=(3, 3, 3))
+    by_chance: Any = [
+        amacrine.quantise("rgc-5x5", "q3.4:stochastic", sum="free", seed=seed) for seed in (0, 1)
+    ]
+    assert not np.array_equal(by_chance[0].levels, by_chance[1].levels)
+    drawn = amacrine.quantise("rgc-5x5", ["ternary", "q3.4:stochastic"], sum="free", seed=1)
+    assert np.array_equal(drawn[1].levels, by_chance[1].levels)
     each = amacrine.quantise(three, "ternary")
     assert [one.name for one in each] == ["kernel 0", "kernel 1", "kernel 2"]
     for one, kernel in zip(each, three, strict=True):

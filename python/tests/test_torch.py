@@ -101,6 +101,37 @@ def test_its_thresholds_are_those_that_were_given_to_the_bit(dtype: Any) -> None
     torch.testing.assert_close(layer.thresholds, layer.log_thresholds.exp(), rtol=0, atol=0)
 
 
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_its_mismatch_is_that_which_was_given_to_the_bit(dtype: Any) -> None:
+    """A share of the thresholds, times the thresholds, is often the number beside it."""
+    random = np.random.default_rng(7)
+    for n in range(100):
+        on, off, part = random.uniform(0.05, 0.5, 3)
+        limits = {"on": on, "off": off, "sigma": part * on}
+        sensor = amacrine.Sensor(["dvs"], [limits], seed=n, format="f64")
+        layer = EventSensor.from_sensor(sensor, fps=10, dtype=dtype)
+        made = layer.to_sensor()
+        assert made.thresholds[0][2] == limits["sigma"]
+        again = EventSensor.from_sensor(made, fps=10, dtype=dtype)
+        other = EventSensor.from_sensor(made, fps=10, dtype=dtype)
+        other.load_state_dict(layer.state_dict())
+        assert made == again.to_sensor() == other.to_sensor() == copy.deepcopy(layer).to_sensor()
+        # Learned, it is a share of the thresholds.
+        with torch.no_grad():
+            layer.log_thresholds.add_(0.25)
+        learned = layer.to_sensor()
+        mean = learned.thresholds[0][:2].mean()
+        assert learned.thresholds[0][2] == layer.mismatch * mean
+        again = EventSensor.from_sensor(learned, fps=10, dtype=dtype)
+        assert again.to_sensor() == learned
+        own = EventSensor(["dvs", "csdvs-3"], [(on, off), off], fps=10, mismatch=round(part, 3), dtype=dtype)
+        again = EventSensor.from_sensor(own.to_sensor(), fps=10, dtype=dtype)
+        assert (again.mismatch, again.to_sensor()) == (own.mismatch, own.to_sensor())
+        # Whoever says another has that.
+        layer.mismatch = 0.5
+        assert layer.to_sensor().thresholds[0][2] == 0.5 * mean
+
+
 @pytest.mark.parametrize("way", ["double", "float", "load wide", "load narrow", "there and back"])
 def test_thresholds_that_were_not_learned_stay_in_another_dtype(way: str) -> None:
     """Whole ones to the bit, others as the dtype rounds them; what was learned is moved as it is."""
@@ -138,8 +169,18 @@ def test_what_no_layer_begins_as() -> None:
     clip = np.random.default_rng(0).integers(0, 2, (4, 8, 8)).astype(bool)
     both = [layer(frames).counts for frames in (torch.from_numpy(clip), clip, clip[:, ::-1, ::-1][:, ::-1, ::-1])]
     assert both[0].any() and all(torch.equal(one, both[0]) for one in both)
-    with pytest.raises(amacrine.Error, match="no light"):
-        layer("clip.mp4")
+    turned = [layer(clip.astype(dtype)).counts for dtype in (">f4", ">u2", "f2", ">f8")]
+    assert all(torch.equal(one, both[0]) for one in turned)
+    light = torch.from_numpy(clip).float()
+    for odd, told in (
+        ("clip.mp4", "no light"),
+        (clip.astype(object), "dtype object are no light"),
+        (np.ma.masked_array(clip), "whose mask would be ignored"),
+        (light.to_sparse(), "a tensor that is sparse"),
+        (light.to("meta"), "a tensor without memory"),
+    ):
+        with pytest.raises(amacrine.Error, match=told):
+            layer(odd)
     text = EventSensor("dvs", 0.1, fps=10, mismatch=0.1, seed=7).to_sensor().text
     assert "--seed 7" in text and "seed" not in layer.to_sensor().text
 

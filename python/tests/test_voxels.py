@@ -241,6 +241,12 @@ def test_what_half_precision_does_not_hold_is_refused() -> None:
     assert amacrine.events.voxels(many, bins=1, size=(2, 2)).max() == 70000
 
 
+def test_a_whole_clip_of_less_than_a_microsecond_is_a_window(frames: Frames) -> None:
+    sensor = amacrine.Sensor("dvs", 0.1)
+    voxels = sensor.voxels(frames, 1e9, bins=2)
+    assert voxels.shape == (1, 1, 2, 61, 83) and voxels.sum() == sensor.counts(frames, 1e9).sum() != 0
+
+
 @pytest.mark.parametrize("window, told", [(40_000.0, True), (50.0, True), (1.0, False), (0.1, False)])
 def test_a_window_beside_which_a_clip_is_nothing_is_told_of(window: float, told: bool) -> None:
     """Microseconds in the place of seconds; not of few events in a usual window."""
@@ -249,6 +255,7 @@ def test_a_window_beside_which_a_clip_is_nothing_is_told_of(window: float, told:
     all: list[Callable[[], Any]] = [
         lambda: amacrine.Sensor("dvs", 0.2).voxels(clip, 25, bins=2, window=window),
         lambda: amacrine.events.voxels(events, bins=2, window=window),
+        lambda: list(amacrine.Sensor("dvs", 0.2).voxel_windows([clip], 25, bins=2, window=window)),
     ]
     for watch in all:
         with warnings.catch_warnings(record=True) as said:

@@ -24,7 +24,7 @@ use crate::{
             study::COSTS,
         },
     },
-    unit::counted,
+    unit::{counted, signed},
 };
 
 /// What `report` is asked to do.
@@ -106,7 +106,9 @@ fn threshold(sensor: &Standing) -> String {
     let least = if is_least { ">" } else { "" };
     sensor
         .threshold_equivalent_percent
-        .map_or("-".to_owned(), |percent| format!("{least}{percent:+.1} %"))
+        .map_or("-".to_owned(), |percent| {
+            format!("{least}{} %", signed(percent, 1))
+        })
 }
 
 /// What `>` before a mean of thresholds says.

@@ -43,7 +43,7 @@ use crate::{
             WaterfallError, check_crossings, steps_together,
         },
     },
-    unit::frame_rate,
+    unit::{frame_rate, signed},
 };
 
 /// What `waterfall` is asked to do.
@@ -454,7 +454,7 @@ fn table(answer: &Waterfall, readout: &str) -> String {
         );
         let more = step
             .interaction
-            .map_or("-".to_owned(), |d| format!("{:+.2}", 100.0 * d.changed()));
+            .map_or("-".to_owned(), |d| signed(100.0 * d.changed(), 2));
         let _ = writeln!(
             text,
             "{:<22} {:>7.2}  {}  {alone}  {more:>7}",

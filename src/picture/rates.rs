@@ -8,7 +8,7 @@ use super::{
     ink::{self, Ink},
     text::{LINE, Weight},
 };
-use crate::{elementary, order::Order};
+use crate::{elementary, order::Order, unit::fixed};
 
 /// What a waterfall over frame rate is shown by. Shares are parts of 1, one for each rate.
 #[derive(Clone, Debug)]
@@ -149,14 +149,7 @@ pub fn share_text(share: Option<(f64, [f64; 2])>) -> String {
     let Some((share, [low, high])) = share else {
         return "-".to_owned();
     };
-    let percent = |share: f64| {
-        let text = format!("{:.1}", 100.0 * share);
-        if text == "-0.0" {
-            "0.0".to_owned()
-        } else {
-            text
-        }
-    };
+    let percent = |share: f64| fixed(100.0 * share, 1);
     if 100.0 * (high - low) < 0.05 {
         percent(share)
     } else {

@@ -30,7 +30,7 @@ use crate::{
     rig::{self, guard::Warning},
     scene::{Frame, Scene},
     sensor::Sensor,
-    unit::{Micros, frame_rate},
+    unit::{Micros, fixed, frame_rate},
 };
 
 /// Thresholds of the ladder, as parts of the reference's; those below it are for tuning alone.
@@ -477,7 +477,7 @@ pub fn percents(percent: Option<f64>, is_least: bool) -> String {
     let least = if is_least { "> " } else { "" };
     match percent {
         None => "-".to_owned(),
-        Some(percent) if percent < 9.95 => format!("{least}{percent:.1} %"),
+        Some(percent) if percent < 9.95 => format!("{least}{} %", fixed(percent, 1)),
         Some(percent) => format!("{least}{percent:.0} %"),
     }
 }
@@ -490,6 +490,6 @@ pub fn kept(kept: impl Into<Option<f64>>, decimals: usize) -> String {
     match kept.into() {
         None => "-".to_owned(),
         Some(kept) if kept < LEAST => format!("<{LEAST}"),
-        Some(kept) => format!("{kept:.decimals$}"),
+        Some(kept) => fixed(kept, decimals),
     }
 }

@@ -10,7 +10,7 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use amacrine::{memory::Budget, save::save};
+use amacrine::{memory::Budget, save::save, unit::fixed};
 use clap::{Parser, Subcommand};
 use miette::{IntoDiagnostic, Result, miette};
 
@@ -20,7 +20,7 @@ use crate::{
     report::Report,
     scene::Clips,
     task::Task,
-    train::{Job, Progress, Run, TrainError, jobs},
+    train::{DeadTime, Job, Progress, Run, TrainError, jobs},
 };
 
 use self::{
@@ -161,6 +161,7 @@ fn train(asked: &RunArguments, budget: Budget) -> Result<()> {
             jobs.push(job);
         }
     }
+    warn_of_dead_time(&task, &run, &jobs)?;
     announce(&task, &run, &jobs, finished)?;
     if asked.dry_run {
         return Ok(());
@@ -245,6 +246,31 @@ fn warn_of_shared(run: &Run<'_>) {
             "Warning: the photographs {own}, which is held out, and {other}, which is trained with, are the same: memorising one improves the score on the other; remove one\n"
         ));
     }
+}
+
+/// Says where a dead time costs most events.
+fn warn_of_dead_time(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
+    let Some(found) = DeadTime::new(task, jobs, run.training())? else {
+        return Ok(());
+    };
+    let percent = |share: f64| fixed(100.0 * share, 0);
+    let costs: Vec<_> = { found.costs.iter() }
+        .map(|(target, share)| format!("{} % at {target} events a pixel and pair", percent(*share)))
+        .collect();
+    let help = match found.shorter {
+        Some((us, share)) => format!(
+            "train with sensor.refractory-us = {us}, which costs {} %",
+            percent(share)
+        ),
+        None => "shorten sensor.refractory-us, or lower the targets".to_owned(),
+    };
+    complain(&format!(
+        "Warning: the dead time of {} us costs most events of {} on the task's first clips, {}: no gradient then points where the loss falls (docs/learning.md); {help}\n",
+        task.sensor.refractory_us,
+        found.arm,
+        costs.join(", ")
+    ));
+    Ok(())
 }
 
 /// What is said when an arm is done.

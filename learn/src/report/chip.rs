@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use amacrine::unit::{fixed, signed};
+
 use super::{Report, curve::Curve, difference::Difference, metric::Metric};
 use crate::record::{Decoder, Form, Row};
 
@@ -111,24 +113,25 @@ impl Kept {
         }
         let (sign, digits) = (metric.sign(), metric.digits());
         let label = metric.label();
+        let told = |number: f64| signed(number, digits);
         let on_silicon = |(decoder, won): &(Decoder, Difference)| {
             let mut ends = won.interval.map(|end| end * sign);
             ends.sort_by(f64::total_cmp);
             let own = won.mean * sign;
             let ends = if won.interval.iter().all(|end| end.is_finite()) {
-                format!("{:+.digits$} to {:+.digits$}", ends[0], ends[1])
+                format!("{} to {}", told(ends[0]), told(ends[1]))
             } else {
                 "no interval".to_owned()
             };
             (decoder.name(), own, ends)
         };
         let parts: Vec<_> = self.won.iter().map(on_silicon).collect();
-        let told: Vec<_> = { parts.iter() }
+        let each: Vec<_> = { parts.iter() }
             .map(|(decoder, own, ends)| {
-                format!("{own:+.digits$} ({ends}) with the decoder {decoder}")
+                format!("{} ({ends}) with the decoder {decoder}", told(*own))
             })
             .collect();
-        let on_silicon = told.join(", ");
+        let on_silicon = each.join(", ");
         let Some(float) = &self.float else {
             let why = if self.took_part[1] {
                 format!("`{FLOAT}` as it was trained has no bits in common with `{BASE}`")
@@ -141,13 +144,14 @@ impl Kept {
             );
         };
         let all = float.mean * sign;
-        if !float.shown() || all <= 0.0 {
+        if !float.shown(metric) || all <= 0.0 {
             return format!(
-                "{}: the win of the float kernel `{FLOAT}` over `{BASE}` is not shown ({all:+.digits$} {label}), so there is none to keep; on silicon {on_silicon}",
+                "{}: the win of the float kernel `{FLOAT}` over `{BASE}` is not shown ({} {label}), so there is none to keep; on silicon {on_silicon}",
                 self.arm,
+                told(all),
             );
         }
-        let told: Vec<_> = { parts.iter() }
+        let kept: Vec<_> = { parts.iter() }
             .map(|(decoder, own, ends)| {
                 let share = 100.0 * own / all;
                 let half = if *own >= all / 2.0 {
@@ -155,13 +159,15 @@ impl Kept {
                 } else {
                     format!("{:.digits$} {label} less than half", all / 2.0 - own)
                 };
-                format!("{share:.0} % ({own:+.digits$}, {ends}) with the decoder {decoder}: {half}")
+                let (share, own) = (fixed(share, 0), told(*own));
+                format!("{share} % ({own}, {ends}) with the decoder {decoder}: {half}")
             })
             .collect();
         format!(
-            "{}: of the {all:+.digits$} {label} that the float kernel `{FLOAT}` wins over `{BASE}` silicon keeps {}",
+            "{}: of the {} {label} that the float kernel `{FLOAT}` wins over `{BASE}` silicon keeps {}",
             self.arm,
-            told.join("; ")
+            told(all),
+            kept.join("; ")
         )
     }
 }

@@ -38,11 +38,13 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Whether chance alone does not make it: the interval is on one side of 0, and is one over
-    /// several photographs and several seeds.
+    /// Whether chance alone does not make it: the interval is on one side of 0 in the digits that a
+    /// metric is told with, and is one over several photographs and several seeds.
     #[must_use]
-    pub fn shown(&self) -> bool {
-        let beyond_zero = self.interval[0] > 0.0 || self.interval[1] < 0.0;
+    pub fn shown(&self, metric: Metric) -> bool {
+        // Half of the last digit: what is nearer to 0 is told as 0.
+        let least = 0.5 * elementary::pow(10.0, -(metric.digits() as f64));
+        let beyond_zero = self.interval[0] > least || self.interval[1] < -least;
         self.photographs > 1 && self.seeds > 1 && beyond_zero
     }
 

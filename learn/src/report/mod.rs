@@ -1,8 +1,8 @@
 //! What a run has shown: quality over bits, differences at equal bits, what silicon leaves.
 //!
 //! [`Report::read`] takes the `learn.json` of a run; [`Report::table`] is for a terminal,
-//! [`Report::page`] one HTML file without script. A difference is "not shown" where its interval
-//! contains 0, and where there is one photograph or one seed.
+//! [`Report::page`] one HTML file without script. A difference is "not shown" where its interval,
+//! in the digits that are told, contains 0, and where there is one photograph or one seed.
 
 mod chip;
 mod curve;

@@ -4,6 +4,7 @@ use amacrine::{
     picture::{Drawing, Line, LinesShow, kernels, lines},
     plane::Plane,
     study::report::image::{drawing, pixels},
+    unit::fixed,
 };
 use image::RgbImage;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -114,7 +115,7 @@ impl Report {
                         @for note in self.notes() { p.verdict { (note) "." } }
                     }
                     footer {
-                        p { "Every arm has the same network from the same start, as many steps and the same target of events; bits are those of address events. An interval is the middle 95 % of 1,000 resamplings of photographs and seeds, both with replacement; a difference whose interval contains 0 is not shown, nor is one of a single photograph or a single seed. With few photographs or seeds intervals are too narrow rather than too wide." }
+                        p { "Every arm has the same network from the same start, as many steps and the same target of events; bits are those of address events. An interval is the middle 95 % of 1,000 resamplings of photographs and seeds, both with replacement; a difference whose interval, as it is told, contains 0 is not shown, nor is one of a single photograph or a single seed. With few photographs or seeds intervals are too narrow rather than too wide." }
                     }
                 }
             }
@@ -144,7 +145,7 @@ impl Report {
                                 td.n { (format!("{:.4}", point.events)) }
                                 td.n { (format!("{:.3}", point.bits)) }
                                 @for (metric, curve) in metrics.iter().zip(&curves) {
-                                    td.n { (curve.points.get(n).map_or(String::new(), |point| format!("{:.1$}", point.quality, metric.digits()))) }
+                                    td.n { (curve.points.get(n).map_or(String::new(), |point| fixed(point.quality, metric.digits()))) }
                                 }
                             }
                         }
@@ -190,7 +191,7 @@ impl Report {
                         tr {
                             th { (arm.arm) } td { (stage.form.name()) } td { (stage.decoder.name()) }
                             td.n { (format!("{:.3}", point.bits)) }
-                            td.n { (format!("{:.1$}", point.quality, metric.digits())) }
+                            td.n { (fixed(point.quality, metric.digits())) }
                             td { @if n == 0 && stage.change.is_some() { (told(stage.change.as_ref(), metric)) } }
                         }
                     } } } }

@@ -7,6 +7,12 @@ const STUDENT: [f64; 10] = [
     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
 ];
 
+/// Digits behind the point with which it is told.
+pub(super) const DIGITS: usize = 3;
+
+/// Half of the last of them: what is nearer to 0 is told as 0.
+const LEAST: f64 = 0.000_5;
+
 /// All weights round the centre, as a part of the centre's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surround {
@@ -55,9 +61,9 @@ impl Surround {
     /// The answer.
     #[must_use]
     pub fn answer(&self) -> &'static str {
-        if self.interval[1] < 0.0 {
+        if self.interval[1] < -LEAST {
             "yes: a centre with a surround of the other sign"
-        } else if self.interval[0] > 0.0 {
+        } else if self.interval[0] > LEAST {
             "no: its surround has the centre's sign"
         } else {
             "not shown"

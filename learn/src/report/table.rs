@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use amacrine::unit::counted;
+use amacrine::unit::{counted, fixed, signed};
 
-use super::{Report, difference::Difference, metric::Metric};
+use super::{Report, difference::Difference, metric::Metric, surround::DIGITS};
 
 impl Report {
     /// Points, differences at equal bits, what silicon leaves, the surround of `fs-dvs`.
@@ -36,7 +36,7 @@ impl Report {
                 for (metric, curve) in metrics.iter().zip(&curves) {
                     let quality = curve.points.get(n).map_or(f64::NAN, |point| point.quality);
                     let (digits, wide) = (metric.digits(), wide(metric));
-                    let _ = write!(text, " {quality:wide$.digits$}");
+                    let _ = write!(text, " {:>wide$}", fixed(quality, digits));
                 }
                 text.push('\n');
             }
@@ -72,14 +72,13 @@ impl Report {
                     for point in &stage.curve.points {
                         let _ = writeln!(
                             text,
-                            "{:wide$}  {:16} decoder {:9} {:8.3} bits {:8.digits$} {}",
+                            "{:wide$}  {:16} decoder {:9} {:8.3} bits {:>8} {}",
                             arm.arm,
                             stage.form.name(),
                             stage.decoder.name(),
                             point.bits,
-                            point.quality,
+                            fixed(point.quality, headline.digits()),
                             headline.label(),
-                            digits = headline.digits(),
                         );
                     }
                     if change.is_some() {
@@ -167,12 +166,13 @@ impl Report {
         let found = self.surround()?;
         let [low, high] = found.interval;
         Some(format!(
-            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {:+.3} of its centre, {}",
+            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {} of its centre, {}",
             found.answer(),
-            found.mean,
+            signed(found.mean, DIGITS),
             if low.is_finite() {
                 let seeds = found.seeds.len();
-                format!("from {low:+.3} to {high:+.3} (95 % over {seeds} seeds)")
+                let [low, high] = [low, high].map(|end| signed(end, DIGITS));
+                format!("from {low} to {high} (95 % over {seeds} seeds)")
             } else {
                 "and one seed gives no interval".to_owned()
             },
@@ -187,21 +187,20 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
     };
     let digits = metric.digits();
     let [low, high] = own.interval;
+    let mean = signed(own.mean, digits);
     if !(low.is_finite() && high.is_finite()) {
-        return format!("{:+.digits$}, no interval: not shown", own.mean);
+        return format!("{mean}, no interval: not shown");
     }
     let over = match (own.photographs, own.seeds) {
         (1, _) => " over seeds alone",
         (_, 1) => " over photographs alone",
         _ => "",
     };
-    let verdict = match (own.shown(), own.mean * metric.sign() > 0.0) {
+    let verdict = match (own.shown(metric), own.mean * metric.sign() > 0.0) {
         (false, _) => "not shown",
         (true, true) => "better",
         (true, false) => "worse",
     };
-    format!(
-        "{:+.digits$}, from {low:+.digits$} to {high:+.digits$}{over}: {verdict}",
-        own.mean
-    )
+    let [low, high] = [low, high].map(|end| signed(end, digits));
+    format!("{mean}, from {low} to {high}{over}: {verdict}")
 }

@@ -10,6 +10,7 @@
 
 mod batch;
 mod checkpoint;
+mod dead_time;
 mod error;
 mod evaluate;
 mod export;
@@ -30,6 +31,7 @@ mod step;
 mod trainee;
 
 pub use batch::{Batch, Loss};
+pub use dead_time::DeadTime;
 pub use error::{PINNED, TrainError};
 pub use export::sensor_text;
 pub use fit::no_program;

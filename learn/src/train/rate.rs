@@ -5,6 +5,7 @@ use amacrine::{
     gradient::{Clips as Light, GradientError, Model, Rated, rate_threshold},
     plane::Size,
     reference::Description,
+    unit::signed,
 };
 
 use crate::{
@@ -72,7 +73,7 @@ impl Trainee<'_> {
     }
 
     /// A sensor as it is, and its rate.
-    fn as_it_is(
+    pub(super) fn as_it_is(
         &self,
         description: &Description,
         lit: Light<'_, f32>,
@@ -161,7 +162,7 @@ impl Trainee<'_> {
             let off = rate / self.target - 1.0;
             (off.abs() > FAR).then(|| {
                 let (name, percent) = (form.name(), 100.0 * off);
-                format!("{rate:.4} ({name}, {percent:+.0} %)")
+                format!("{rate:.4} ({name}, {} %)", signed(percent, 0))
             })
         };
         let forms = [Form::Trained, Form::Quantised, Form::Exact, Form::Silicon];

@@ -55,7 +55,7 @@ const STATES_A_STEP: u64 = 20;
 const FEWEST_STATES: u64 = 10_000;
 
 /// Batches that the first thresholds are set by.
-const FIRST: u64 = 4;
+pub(super) const FIRST: u64 = 4;
 
 /// All that changes from step to step.
 #[derive(Clone, Debug, PartialEq)]

@@ -165,7 +165,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             )
         for to in self._quantisers:
             if to is not None:
-                _amacrine.quantise([("dvs", None)], [arguments.word("quantisers", to, "int-5")], "kept", 0)
+                _amacrine.quantise([("dvs", None)], [arguments.word("quantisers", to, "int-5")], "kept", None)
         for chip in self._chips:
             if chip not in _amacrine.names("chips") and not Path(chip).is_dir():
                 names = ", ".join(_amacrine.names("chips"))

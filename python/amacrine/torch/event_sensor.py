@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import weakref
 from typing import Any, NamedTuple
 
@@ -73,7 +74,7 @@ class EventSensor(torch.nn.Module):
             ``thresholds`` (``sigma``).
         phase: Begins each memory between two thresholds, at a place of its own that this moves on,
             another for each clip of a batch; left out, all begin at the first frame.
-        seed: Chooses mismatch and phases.
+        seed: Chooses mismatch and phases; that of :meth:`to_sensor` without either, too.
         dtype: ``torch.float32`` or ``torch.float64``: all is computed in it.
         options: Of :class:`amacrine.Sensor`: ``response``, ``memory`` (``"filtered-step"`` or
             ``"filtered-snap"``), ``border``, ``refractory``, ``names``, ``name``.
@@ -92,6 +93,9 @@ class EventSensor(torch.nn.Module):
     A ``state_dict`` holds these; ``fps``, ``scale``, rule, mismatch and seed are those of the layer
     that takes it.
     """
+
+    _given_sigma: _GivenSigma | None = None
+    """Where the mismatch is that of the sensor it began as."""
 
     def __init__(
         self,
@@ -146,8 +150,11 @@ class EventSensor(torch.nn.Module):
         # Parameters that are made in inference mode could never be learned.
         with torch.inference_mode(False):
             self._begin(sensor, dtype)
+            own = mismatch is None
             if mismatch is None:
-                mismatch = _mismatch(sensor)
+                mismatch = _mismatch(sensor, self.given_thresholds)
+            if own:
+                self._given_sigma = _GivenSigma.of(sensor, float(mismatch), self.given_thresholds)
             if seed is None:
                 seed = sensor._seed
             self._set(fps, scale, rule, slope, mismatch, phase, seed)
@@ -217,6 +224,18 @@ class EventSensor(torch.nn.Module):
         rest = torch.where(at_first, given - limits, 0.0)
         return limits + rest.detach()
 
+    def _sigma(self, limits: torch.Tensor) -> torch.Tensor:
+        """The deviation of the thresholds of each kind, (K,1), on the processor: their mean times the
+        mismatch. Where nothing was learned yet, that of the sensor it began as, to the bit."""
+        limits = limits.double()
+        sigma = self.mismatch * limits.mean(1, keepdim=True)
+        given = self._given_sigma
+        if given is None or given.mismatch != self.mismatch:
+            return sigma
+        # What a number is of another, times that other, may be the number beside it.
+        at_first = (limits == given.thresholds).all(1, keepdim=True)
+        return sigma + torch.where(at_first, given.sigma - sigma, 0.0).detach()
+
     def forward(self, frames: torch.Tensor) -> Watched:
         """The events of clips: light of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W), two frames at
         least."""
@@ -244,19 +263,18 @@ class EventSensor(torch.nn.Module):
             none = (0.0 * (kernels.sum() + thresholds.sum() + light.sum())).to(to)
             voxels = none.new_zeros((0, frames, len(kernels), height, width))
             return Watched(voxels + none, voxels[:, 1:] + none, none)
-        sigma = self.mismatch * thresholds.double().mean(1, keepdim=True)
-        voxels, counts, events = _Watch.apply(kernels, thresholds, sigma, light, how)
+        voxels, counts, events = _Watch.apply(
+            kernels, thresholds, self._sigma(thresholds), light, how
+        )
         return Watched(voxels.to(to), counts.to(to), events.to(to))
 
     def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
         """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
         if not isinstance(frames, torch.Tensor):
-            try:
-                frames = torch.as_tensor(np.ascontiguousarray(frames), device="cpu")
-            except (TypeError, ValueError, RuntimeError) as cause:
-                raise Error(
-                    f"frames of type {type(frames).__name__} are no light\nhelp: give a tensor or an array"
-                ) from cause
+            frames = _tensor(frames)
+        if frames.layout != torch.strided or frames.is_meta:
+            what = "without memory (meta)" if frames.is_meta else "that is sparse"
+            raise Error(f"frames are a tensor {what}\nhelp: give a dense one (tensor.to_dense())")
         shape = tuple(frames.shape)
         if frames.is_complex():
             raise Error(f"frames of dtype {frames.dtype} are no light\nhelp: give uint8 or floats")
@@ -285,8 +303,7 @@ class EventSensor(torch.nn.Module):
         ``phase``; its ``text`` is the file that ``amacrine run --sensor`` takes, of a layer with
         mismatch with ``--seed``, which a comment in it says."""
         limits = self._limits().detach().double()
-        sigma = self.mismatch * limits.mean(1, keepdim=True)
-        parameters = _parameters(self.kernels, limits, sigma)
+        parameters = _parameters(self.kernels, limits, self._sigma(limits))
         text = _amacrine.learned_text(self._template._native, parameters, name)
         if self.mismatch > 0:
             text = f"# The seed that chose the mismatch is not in here: --seed {self.seed}\n{text}"
@@ -300,14 +317,46 @@ class EventSensor(torch.nn.Module):
         return f"{count} of {rows}x{columns}, fps={self.fps}, rule={self.rule or 'by memory'}"
 
 
+def _tensor(frames: Any) -> torch.Tensor:
+    """An array as a tensor; in the byte order of the machine, since tensors have no other."""
+    arguments.unmasked("frames", frames)
+    called = type(frames).__name__
+    try:
+        array = np.ascontiguousarray(frames)
+        called = f"{called} and dtype {array.dtype}"
+        return torch.as_tensor(array.astype(array.dtype.newbyteorder("="), copy=False), device="cpu")
+    except (TypeError, ValueError, RuntimeError) as cause:
+        raise Error(f"frames of type {called} are no light\nhelp: give a tensor or an array") from cause
+
+
 def _check_dtype(dtype: torch.dtype) -> None:
     """Refuses what the adjoint is not computed in."""
     if dtype not in (torch.float32, torch.float64):
         raise Error(f"a sensor in {dtype}\nhelp: give torch.float32 or torch.float64")
 
 
-def _mismatch(sensor: Sensor) -> float:
-    """The mismatch of a sensor's thresholds, as a share of their mean."""
+class _GivenSigma(NamedTuple):
+    """The mismatch of the sensor that a layer began as."""
+
+    mismatch: float
+    """As a share of the mean."""
+    thresholds: torch.Tensor
+    """Its thresholds (K,2), as the layer has them."""
+    sigma: torch.Tensor
+    """Their deviations (K,1)."""
+
+    @classmethod
+    def of(cls, sensor: Sensor, mismatch: float, thresholds: torch.Tensor) -> _GivenSigma:
+        sigma = torch.from_numpy(np.stack([limit[2:] for limit in sensor.thresholds]))
+        return cls(mismatch, thresholds.double().clone(), sigma)
+
+
+def _mismatch(sensor: Sensor, thresholds: torch.Tensor) -> float:
+    """The mismatch of a sensor, as a share of the mean of its thresholds (K,2) as a layer has them.
+
+    Of the numbers beside the quotient that give the deviations back, the shortest: of a layer's sensor
+    the share that the layer had.
+    """
     shares = [float(limit[2] / limit[:2].mean()) for limit in sensor.thresholds]
     if max(shares) - min(shares) > 1e-9:
         told = ", ".join(f"{share:.4g}" for share in shares)
@@ -315,7 +364,17 @@ def _mismatch(sensor: Sensor) -> float:
             f"{sensor.name}: the mismatch of its kinds of cells is {told} of their thresholds\n"
             "help: give one for all, such as mismatch=0.1"
         )
-    return shares[0]
+    means: list[float] = thresholds.double().mean(1).tolist()
+    deviations = [float(limit[2]) for limit in sensor.thresholds]
+    near = [deviations[0] / means[0]]
+    for end in (0.0, math.inf):
+        beside = near[0]
+        for _ in range(2):
+            beside = math.nextafter(beside, end)
+            near.append(beside)
+    pairs = list(zip(means, deviations))
+    fitting = (share for share in near if all(share * mean == of for mean, of in pairs))
+    return min(fitting, key=lambda share: len(repr(share)), default=near[0])
 
 
 def _parameters(

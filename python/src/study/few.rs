@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::{Named, Search, Shown, check, device, kernel, open_on, quantisers, within};
 use crate::{
     chip::{effort, named},
-    error::raised,
+    error::{raised, refused},
     files::json,
 };
 
@@ -31,9 +31,21 @@ struct Few {
 
 /// Each kernel in few values, each quantiser with what is lost.
 #[pyfunction]
-pub fn quantise(of: Vec<Named>, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult<String> {
+pub fn quantise(
+    of: Vec<Named>,
+    to: Vec<String>,
+    sum_to: &str,
+    seed: Option<u64>,
+) -> PyResult<String> {
     let sum = named(sum_to)?;
     let to = quantisers(to)?;
+    if seed.is_some() && !to.iter().any(Quantiser::is_random) {
+        return Err(refused(
+            "seed has no effect without stochastic rounding or thresholds: these levels are the same under every seed",
+            "leave seed out, round by chance (to=\"q3.4:stochastic\"), or give thresholds, too",
+        ));
+    }
+    let seed = seed.unwrap_or(0);
     let each = of.iter().map(|named| few(named, &to, sum, seed));
     json(&each.collect::<PyResult<Vec<_>>>()?)
 }

@@ -235,6 +235,7 @@ fn as_json<M>(trade: &Trade<M>, command: &dyn Fn(&M) -> String) -> PyResult<Stri
         no_tiles: trade.no_tiles.as_deref(),
         without_slot: trade.without_slot,
         knee: trade.knee().map(|knee| knee.name.as_str()),
+        no_knee: trade.no_knee(),
         command: trade.knee().map(|knee| command(&knee.model)),
         points,
     })
@@ -249,6 +250,7 @@ struct Traded<'a, M> {
     no_tiles: Option<&'a str>,
     without_slot: u64,
     knee: Option<&'a str>,
+    no_knee: Option<&'a str>,
     command: Option<String>,
 }
 

@@ -16,7 +16,7 @@ use crate::{
     rig::guard::Warning,
     scene::SceneError,
     study::{equivalent, remade::Equivalent},
-    unit::{Micros, frame_rate},
+    unit::{Micros, frame_rate, signed},
 };
 
 /// What a comparison begins with.
@@ -145,8 +145,8 @@ impl Headline {
                 None => "kept -, since chance alone scores 1".to_owned(),
             };
             format!(
-                "against the sensor of as many events, its threshold {:+.1} %: {told}\n",
-                tuned.threshold_percent
+                "against the sensor of as many events, its threshold {} %: {told}\n",
+                signed(tuned.threshold_percent, 1)
             )
         })
     }

@@ -29,6 +29,7 @@ use crate::{
     plane::Size,
     rig::guard::Warning,
     scene::{Observation, Scene as _},
+    unit::fixed,
 };
 
 /// What `compare` is asked to do.
@@ -240,13 +241,8 @@ impl Ruler {
         for score in &self.scores {
             let values = [score.value, score.identical, score.redraw, score.permuted];
             let [value, identical, redraw, permuted] = values.map(number);
-            let lost = score
-                .lost()
-                // Adding 0 turns -0 to 0.
-                .map_or_else(
-                    || "-".into(),
-                    |lost| format!("{:.0} %", (100.0 * lost).round() + 0.0),
-                );
+            let lost =
+                { score.lost() }.map_or_else(|| "-".into(), |lost| fixed(100.0 * lost, 0) + " %");
             let name = score.metric.to_string();
             let blind = score.metric.entry().blind_to;
             let row = format!(

@@ -23,6 +23,7 @@ use crate::{
     mesh::{MeshError, Steady},
     plane::{Plane, Size},
     scene::{SceneError, open},
+    unit::fixed,
 };
 
 /// What `mesh solve` is asked to do.
@@ -153,12 +154,7 @@ fn brief(value: f64, scale: f64) -> String {
         step *= 10.0;
         decimals += 1;
     }
-    let text = format!("{value:.decimals$}");
-    // No rounding leaves minus zero.
-    match text.strip_prefix('-') {
-        Some(plain) if !plain.contains(|digit| ('1'..='9').contains(&digit)) => plain.to_owned(),
-        _ => text,
-    }
+    fixed(value, decimals)
 }
 
 /// A plane of numbers, or the light of one picture.

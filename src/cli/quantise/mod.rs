@@ -42,7 +42,7 @@ use crate::{
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
     },
-    unit::frame_rate,
+    unit::{fixed, frame_rate, signed},
 };
 
 /// What `quantise` is asked to do.
@@ -388,10 +388,10 @@ fn tuned_table(answer: &Answer) -> String {
         let told = |score: &Likeness| match &score.tuned {
             None => format!("{:>24}", "-"),
             Some(tuned) => format!(
-                "{:>6} {:>9} {:>+6.0}%",
+                "{:>6} {:>9} {:>6}%",
                 equivalent::kept(tuned.kept, 3),
                 tuned.equivalent(),
-                tuned.threshold_percent
+                signed(tuned.threshold_percent, 0)
             ),
         };
         let (exact, silicon) = (told(&chip.exact), told(&chip.silicon));
@@ -522,13 +522,8 @@ fn short(value: f64) -> String {
         return format!("{value:.3e}");
     }
     let decimals = (4..8).find(|d| size >= 10f64.powi(2 - d)).unwrap_or(4) as usize;
-    let text = format!("{value:.decimals$}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" {
-        "0".to_owned()
-    } else {
-        text.to_owned()
-    }
+    let text = fixed(value, decimals);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// The kernel, and each of the quantised ones at its scale.

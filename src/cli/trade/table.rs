@@ -69,8 +69,9 @@ impl<M> Table<'_, M> {
         if let Some(knee) = trade.knee() {
             let _ = writeln!(text, "knee     {}", self.told.says(trade, knee));
             let _ = writeln!(text, "         {}", (self.told.command)(&knee.model));
-        } else {
-            text += "no knee: nothing on the front is faster than the full model\n";
+        }
+        if let Some(why) = trade.no_knee() {
+            let _ = writeln!(text, "no knee: {why}");
         }
         for point in trade.front().filter(|point| !point.is_knee) {
             let _ = writeln!(text, "front    {}", self.told.says(trade, point));
@@ -158,6 +159,7 @@ impl<M> Table<'_, M> {
             "without_slot": trade.without_slot,
             "points": points,
             "knee": knee.map(|knee| &knee.name),
+            "no_knee": trade.no_knee(),
             "command": knee.map(|knee| (self.told.command)(&knee.model)),
         }))
     }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::{elementary, isa::Evidence, study::feasibility::Estimate};
+use crate::{elementary, isa::Evidence, study::feasibility::Estimate, unit};
 
 /// Between groups of three digits.
 const GROUP: char = '\u{202f}';
@@ -14,10 +14,7 @@ pub(super) fn plain(at: &str, value: f64) -> Markup {
 
 /// A number with so many digits behind the point.
 pub(super) fn fixed(at: &str, value: f64, decimals: usize) -> Markup {
-    let text = format!("{value:.decimals$}");
-    let is_zero = text.bytes().all(|b| b"-0.".contains(&b));
-    let shown = text.strip_prefix('-').filter(|_| is_zero);
-    data(at, value, shown.unwrap_or(&text))
+    data(at, value, &unit::fixed(value, decimals))
 }
 
 /// The same of a number that may be missing.

@@ -10,6 +10,7 @@ use crate::{
     elementary,
     picture::{ink, ink::Ink, panel},
     plane::Plane,
+    unit::fixed,
 };
 
 /// Side of a square, and the largest kernel whose squares have room for a number.
@@ -107,12 +108,11 @@ fn contrast(a: Ink, b: Ink) -> f64 {
 /// Two digits behind the point, fewer where there is no room.
 fn short(number: f64) -> String {
     let with = |decimals: usize| {
-        let text = format!("{number:.decimals$}");
-        let text = match text.split_once('.') {
-            Some(_) => text.trim_end_matches('0').trim_end_matches('.'),
-            None => &text,
-        };
-        if text == "-0" { "0" } else { text }.to_owned()
+        let text = fixed(number, decimals);
+        match text.split_once('.') {
+            Some(_) => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            None => text,
+        }
     };
     let mut all = [2, 1, 0].into_iter().map(with);
     let fits = all.find(|text| text.len() <= LETTERS);

@@ -143,10 +143,16 @@ impl<M> Trade<M> {
         self.points.iter().filter(|point| point.on_front)
     }
 
-    /// The knee of the front.
+    /// The knee of the front; there is one where the front has a point.
     #[must_use]
     pub fn knee(&self) -> Option<&Point<M>> {
         self.points.iter().find(|point| point.is_knee)
+    }
+
+    /// Why there is no knee, where there is none.
+    #[must_use]
+    pub fn no_knee(&self) -> Option<&'static str> {
+        (self.knee().is_none()).then_some(NO_KNEE)
     }
 }
 
@@ -253,6 +259,9 @@ where
     Ok(trade)
 }
 
+/// Why there is no front, and no knee of it.
+const NO_KNEE: &str = "seconds and error are known of no model; each says why";
+
 /// What the full model is called.
 pub const FULL: &str = "the full model";
 
@@ -322,7 +331,7 @@ impl<M> Trade<M> {
     /// was measured of it and of another point of the front may overlap: then seconds do not tell
     /// them apart, and the one that changes less is the knee. Nor does a point beat another by such
     /// seconds alone. One that is hardly faster than the full model is no knee: then that is the
-    /// full model, or there is none where another beats it.
+    /// full model, or what changes least where another beats it. A front with a point has a knee.
     fn judge(&mut self) {
         let seconds = |point: &Point<M>| point.seconds().unwrap_or(f64::INFINITY);
         self.points
@@ -399,13 +408,14 @@ fn knee(front: &[Placed], full: Option<&Placed>) -> Option<usize> {
             .then(b.is_full.cmp(&a.is_full))
             .then(away(a).total_cmp(&away(b)))
     })?;
-    match full {
-        Some(full) if full.cost.x < FASTER * knee.cost.x => {
-            let full = front.iter().find(|placed| placed.is_full);
-            full.map(|full| full.at)
-        }
-        _ => Some(knee.at),
+    if full.is_none_or(|full| full.cost.x >= FASTER * knee.cost.x) {
+        return Some(knee.at);
     }
+    // Where the full model is not on the front, what changes nothing has beaten it: a little time for
+    // nothing is worth having. The first of these is the quickest.
+    let least = { front.iter() }.min_by(|a, b| a.cost.y.total_cmp(&b.cost.y));
+    let full = front.iter().find(|placed| placed.is_full);
+    full.or(least).map(|placed| placed.at)
 }
 
 #[cfg(test)]
@@ -498,8 +508,59 @@ mod tests {
         };
         assert_eq!(knee(0.001, 0.96).as_deref(), Some(FULL));
         // The full model is not on the front, since the other changes nothing.
-        assert_eq!(knee(0.0, 0.96), None);
+        assert_eq!(knee(0.0, 0.96).as_deref(), Some("f32"));
+        // Whatever else is quicker still, but hardly.
+        let trade = judged(&[
+            (FULL, 1.0, Some(0.0), 0.0),
+            ("f32", 0.99, Some(0.0), 0.0),
+            ("f16", 0.97, Some(0.001), 0.0),
+        ]);
+        assert_eq!(trade.knee().unwrap().name, "f32");
         assert_eq!(knee(0.0, 0.94).as_deref(), Some("f32"));
+    }
+
+    #[test]
+    fn equal_seconds_have_a_knee() {
+        let same = [
+            (FULL, 1.0, Some(0.0), 0.0),
+            ("f32", 1.0, Some(0.0), 0.0),
+            ("f16", 1.0, Some(0.1), 0.0),
+        ];
+        assert_eq!(judged(&same).knee().unwrap().name, FULL);
+        // Too quick for the clock.
+        let none = same.map(|(name, _, limit, planning)| (name, 0.0, limit, planning));
+        assert_eq!(judged(&none).knee().unwrap().name, FULL);
+        // Nothing is known of the full model.
+        let blind = [(FULL, 1.0, None, 0.0), ("f32", 1.0, Some(0.5), 0.0)];
+        assert_eq!(judged(&blind).knee().unwrap().name, "f32");
+        let unknown = judged(&[(FULL, 1.0, None, 0.0), ("f32", 1.0, None, 0.0)]);
+        assert_eq!((unknown.front().count(), unknown.knee()), (0, None));
+        assert!(unknown.no_knee().is_some());
+    }
+
+    proptest::proptest! {
+        /// Whatever was measured, a front with a point has one knee, which is on it.
+        #[test]
+        fn every_front_has_a_knee(
+            points in proptest::collection::vec((0..12_u8, 0..4_u8, 0..4_u8), 1..9)
+        ) {
+            let points: Vec<_> = { points.into_iter().enumerate() }
+                .map(|(n, (least, wide, limit))| {
+                    let least = 0.9 + 0.02 * f64::from(least);
+                    let seconds = Spread::of(vec![least, least + 0.02 * f64::from(wide)]);
+                    let (name, limit) = if n == 0 {
+                        (FULL, 0.0)
+                    } else {
+                        ("another", 0.002 * f64::from(limit))
+                    };
+                    (name, seconds, Some(limit), 0.0)
+                })
+                .collect();
+            let trade = spread(&points);
+            let knee = trade.knee();
+            proptest::prop_assert!(knee.is_some_and(|knee| knee.on_front));
+            proptest::prop_assert_eq!(trade.no_knee(), None);
+        }
     }
 
     #[test]
