@@ -6,7 +6,7 @@
 //! cargo run --release --example atlas                    # all classes; goes on where it was stopped
 //! cargo run --release --example atlas -- --shard 0/4     # a part of them, for several machines
 //! cargo run --release --example atlas -- --states 60000  # how long to search for each
-//! cargo run --release --example atlas -- --prove 5       # the exhaustive search, as src/compile/bound/ternary.csv
+//! cargo run --release --example atlas -- --prove 5       # the exhaustive search, as src/compile/search/bound/ternary.csv
 //! ```
 //!
 //! Rows are added to `docs/atlas.csv` one by one; a class that has a row is not compiled again, so

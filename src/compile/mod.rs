@@ -8,6 +8,15 @@
 //! dense kernels, which have nothing of that, a `tour` with copies of the input is often
 //! shorter, and is tried last.
 //!
+//! - `request`: what is asked of the compiler; `error`: why there is no program.
+//! - `intermediate`: linear forms, and plans before they have registers.
+//! - `construction`: plans that need no search: walks, tours, single weights, separable kernels.
+//! - `search`: beam search, lower bounds, the exhaustive search.
+//! - `codegen`: registers, the words of a chip, the filter that comes out.
+//! - `silicon`: what constant errors, mismatch and noise do to a result, and plans that lose least.
+//! - `decision`: events on silicon, tried on moving light.
+//! - `sensor`: whole sensors: memories, thresholds, readout.
+//!
 //! ```
 //! use amacrine::{compile::{Effort, Request}, isa::Device, kernel::Kernel};
 //!
@@ -20,62 +29,36 @@
 //! # Ok::<(), amacrine::compile::CompileError>(())
 //! ```
 
-mod allocate;
-mod beam;
-mod bit_memory;
-mod border_safe;
-pub mod bound;
-mod cell_kind;
-mod comparison;
-mod dark;
-mod decided;
-mod deciding;
+mod codegen;
+mod construction;
 mod decision;
-mod digit;
 mod error;
-mod event_readout;
-mod filter;
-mod forecast;
-mod found;
-mod goals;
-pub mod leaves;
-mod linear_form;
-mod listed;
-mod naive_cost;
-mod need;
-mod noise;
-mod one_bit;
-mod plan;
-mod plan_builder;
-mod register_levels;
+mod intermediate;
 mod request;
-mod rim;
-mod route;
-mod scale;
+mod search;
 mod sensor;
-mod separable;
-mod shared_memory;
-mod solve;
-mod steady;
-#[cfg(test)]
-mod strategy;
-mod survival;
-mod tour;
-mod walk;
-mod wired;
-mod words;
+mod silicon;
 
-pub use bit_memory::{BitMemory, Restless};
-pub use cell_kind::{CellKind, DriveMemory, FRAMES};
-pub use decided::Decided;
-pub use decision::{Compared, Decision};
-pub use error::{CompileError, four_digits, largest_of_both_signs};
-pub use event_readout::EventReadout;
-pub use filter::Filter;
-pub use forecast::{Forecast, Signal};
-pub use naive_cost::naive_cost;
-pub use need::{MEMORY_BITS, Need, carried, like_these};
-pub use noise::FilterNoise;
-pub use request::{Border, Effort, Objective, Request};
-pub use sensor::{SensorProgram, brightest};
-pub use words::check_words;
+pub use self::{
+    codegen::{filter::Filter, instruction_set::check_words},
+    construction::naive_cost::naive_cost,
+    decision::{
+        dead_leaves as leaves,
+        f1_score::Decided,
+        trial::{Compared, Decision},
+    },
+    error::{CompileError, four_digits, largest_of_both_signs},
+    request::{Border, Effort, Objective, Request},
+    search::bound,
+    sensor::{
+        bit_memory::{BitMemory, Restless},
+        cell_kind::{CellKind, DriveMemory, FRAMES},
+        event_readout::EventReadout,
+        program::{SensorProgram, brightest},
+        register_need::{MEMORY_BITS, Need, carried, like_these},
+    },
+    silicon::{
+        forecast::{Forecast, Signal},
+        noise::FilterNoise,
+    },
+};

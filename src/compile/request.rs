@@ -1,18 +1,18 @@
 //! What is asked of the compiler, and the search for it: [`Request::filter`] is the entry, in
-//! [`register_levels`](super::register_levels).
+//! [`register_count`](super::search::register_count).
 
 use super::{
-    allocate::{RegisterFile, ordinary_registers},
-    decision::{Compared, Decision},
+    codegen::{
+        filter::Filter,
+        instruction_set::{Buses, check_words},
+        register_allocation::{RegisterFile, ordinary_registers},
+    },
+    construction::walk,
+    decision::trial::{Compared, Decision},
     error::{CompileError, most_threshold},
-    filter::Filter,
-    goals::goals,
-    linear_form::LinearForm,
-    plan::StoreErrors,
-    solve::{FINE, Limits, Problem, Solved},
-    survival::Choice,
-    walk,
-    words::{Buses, check_words},
+    intermediate::{goals::goals, linear_form::LinearForm, plan::StoreErrors},
+    search::solve::{FINE, Limits, Problem, Solved},
+    silicon::survival::Choice,
 };
 use crate::{
     config::listed,
