@@ -499,7 +499,7 @@ fn folders_that_disagree_are_not_joined() {
         &format!("point 7 ({}), off:", id(7)),
         "654321 in two",
         "123456 in two",
-        "nothing was written",
+        "no result was written",
     ];
     let message = refused(at, &["merge", "out", "two", "--output", "all"], &words);
     assert!(!message.contains("seconds") && !message.contains("other-name"));

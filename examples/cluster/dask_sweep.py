@@ -21,10 +21,12 @@ def shard(program, study, output, index, count):
     is waited for."""
     command = [program, "sweep", study, "--output", f"{output}/shard-{index}"]
     command += ["--shard", f"{index}/{count}", "--jobs", "1", "--json"]
-    done = subprocess.run(command, capture_output=True, text=True)
-    while "in use by another amacrine" in done.stderr:
-        time.sleep(5)
+    while True:
         done = subprocess.run(command, capture_output=True, text=True)
+        # Its lines are broken, with a bar before each.
+        if "in use by another amacrine" not in " ".join(done.stderr.replace("│", " ").split()):
+            break
+        time.sleep(5)
     if done.returncode != 0:
         raise RuntimeError(done.stderr)
     return done.stdout

@@ -1,10 +1,13 @@
 """The Rust half of the package; `tests/test_types.py` holds this page to it."""
 
+from collections.abc import Callable
 from os import PathLike
-from typing import Any, final
+from typing import Any, TypeVar, final
 
 import numpy as np
 import numpy.typing as npt
+
+_T = TypeVar("_T")
 
 _Path = str | PathLike[str]
 _Named = tuple[str, bytes | None]
@@ -164,8 +167,7 @@ class Halt:
 @final
 class Turn:
     def __new__(cls) -> Turn: ...
-    def __enter__(self) -> None: ...
-    def __exit__(self, *_raised: object) -> None: ...
+    def take(self, what: Callable[[], _T]) -> _T: ...
 
 @final
 class Program:

@@ -376,8 +376,7 @@ class Stream:
 
     def events(self, frames: Any) -> NamedEvents:
         """The events of the next frames."""
-        with self._turn:
-            return self._events(frames)
+        return self._turn.take(lambda: self._events(frames))
 
     def _events(self, frames: Any) -> NamedEvents:
         run, clip = self._next(frames)
@@ -392,13 +391,15 @@ class Stream:
 
     def counts(self, frames: Any) -> npt.NDArray[np.int32]:
         """The counts of the next frames, (n,K,H,W), one less of the very first."""
-        with self._turn:
-            run, clip = self._next(frames)
-            pairs = len(clip) - (run.seen == 0)
-            out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
-            run.counts(clip, None, out.reshape(-1))
-            self._caution()
-            return out
+        return self._turn.take(lambda: self._counts(frames))
+
+    def _counts(self, frames: Any) -> npt.NDArray[np.int32]:
+        run, clip = self._next(frames)
+        pairs = len(clip) - (run.seen == 0)
+        out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
+        run.counts(clip, None, out.reshape(-1))
+        self._caution()
+        return out
 
     def each(self, parts: Iterable[Any]) -> Iterator[NamedEvents]:
         """The events of each part, and a :class:`Caution` at the end where there was none at all."""

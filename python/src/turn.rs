@@ -2,15 +2,24 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pyo3::{prelude::*, types::PyTuple};
+use pyo3::prelude::*;
 
 use crate::error::refused;
 
-/// The turn of a thread to show a stream frames, `with` it: a second one is refused, for which of the
-/// frames come first, nobody has said. Ctrl-C finds no moment at which it is taken by nobody.
+/// The turn of a thread to show a stream frames: a second one is refused, for which of the frames come
+/// first, nobody has said. It is taken and given back in one call, so that Ctrl-C cannot leave it taken.
 #[pyclass(frozen, module = "amacrine._amacrine")]
 #[derive(Default)]
 pub struct Turn(AtomicBool);
+
+/// Gives a turn back.
+struct Back<'a>(&'a AtomicBool);
+
+impl Drop for Back<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
 
 #[pymethods]
 impl Turn {
@@ -19,18 +28,15 @@ impl Turn {
         Self::default()
     }
 
-    fn __enter__(&self) -> PyResult<()> {
+    /// Calls it in a turn of its own.
+    fn take<'py>(&self, what: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         if self.0.swap(true, Ordering::Acquire) {
             return Err(refused(
                 "another thread is in this stream: frames come one after the other",
                 "call it from one thread at a time, or give each thread a stream of its own",
             ));
         }
-        Ok(())
-    }
-
-    #[pyo3(signature = (*_raised))]
-    fn __exit__(&self, _raised: &Bound<'_, PyTuple>) {
-        self.0.store(false, Ordering::Release);
+        let _back = Back(&self.0);
+        what.call0()
     }
 }

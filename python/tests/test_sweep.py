@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import re
+import runpy
 import signal
 import subprocess
 import sys
@@ -15,7 +17,9 @@ from typing import Any, Callable
 import amacrine
 import numpy as np
 import pytest
-from amacrine import _amacrine
+from amacrine import _amacrine, sweeps
+from amacrine.names import opened
+from conftest import ROOT
 
 STUDY = """
 title = "small"
@@ -237,6 +241,37 @@ def test_files_that_are_set_aside_are_told_of(
     (text,) = (str(one.message) for one in said if "set aside" in str(one.message))
     assert f"{output}/damaged:" in text and f"{point}: {file['why']}" in text
     assert len(list((output / "damaged").iterdir())) == 2
+
+
+@pytest.mark.parametrize("script", [None, "dask_sweep.py"])
+def test_a_shard_that_is_still_computed_is_waited_for(
+    script: str | None, study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A task that is tried again may meet what a lost worker has left running."""
+    # The program breaks the lines of its messages: of one of these names in the middle of the words.
+    for letters in (1, 20, 40, 50, 60):
+        output = tmp_path / ("o" * letters)
+        folder = output / "shard-0"
+        folder.mkdir(parents=True)
+        lock = (folder / "lock").open("w")
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        waits: list[float] = []
+
+        def sleep(seconds: float) -> None:
+            waits.append(seconds)
+            lock.close()
+
+        with monkeypatch.context() as patch:
+            patch.setattr(time, "sleep", sleep)
+            if script is None:
+                told = sweeps._shard(opened("studies", study, "study"), [], output, (0, 3), None)
+            else:
+                pytest.importorskip("dask.distributed")
+                own = runpy.run_path(str(ROOT / "examples/cluster" / script))
+                program = os.environ.get("AMACRINE", ROOT / "target/release/amacrine")
+                told = own["shard"](program, study, output, 0, 3)
+        assert waits == [5], output
+        assert json.loads(told)["computed"] == 3
 
 
 def test_on_a_cluster(study: Path, tmp_path: Path) -> None:

@@ -45,12 +45,18 @@ impl DeadTime {
             return Ok(None);
         };
         let is_own = |job: &&Job<'_>| job.arm.name == first.arm.name && job.seed == first.seed;
+        let mut own: Vec<_> = jobs.iter().filter(is_own).collect();
+        own.sort_by(|a, b| b.target.total_cmp(&a.target));
         let mut costs = Vec::new();
-        for job in jobs.iter().filter(is_own) {
-            if let Some(share) = lost(task, job, clips)?.filter(|share| *share > MOST) {
-                costs.push((job.target, share));
+        // Fewer events lose less: where one target does not lose most, a lower one does not either.
+        for job in own {
+            match lost(task, job, clips)? {
+                Some(share) if share > MOST => costs.push((job.target, share)),
+                Some(_) => break,
+                None => {}
             }
         }
+        costs.reverse();
         let dearest = costs.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((target, _)) = dearest.copied() else {
             return Ok(None);

@@ -6,8 +6,8 @@ import inspect
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from threading import Lock
 from typing import Any, TypedDict
 
 import numpy as np
@@ -232,18 +232,10 @@ class EventDataset(torch.utils.data.Dataset[Item]):
     def _forget(self) -> None:
         self._clips: OrderedDict[int, tuple[npt.NDArray[Any], float]] = OrderedDict()
         self._made: dict[int, EventSensor] = {}
-        # Of the clips that are kept.
-        self._lock = Lock()
 
     def __getstate__(self) -> dict[str, Any]:
         # A worker reads its own; programs that were found already go with it.
-        state = {**self.__dict__, "_clips": OrderedDict()}
-        del state["_lock"]
-        return state
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._lock = Lock()
+        return {**self.__dict__, "_clips": OrderedDict()}
 
     def __len__(self) -> int:
         return len(self.videos) if self._length is None else self._length
@@ -290,10 +282,12 @@ class EventDataset(torch.utils.data.Dataset[Item]):
 
     def _clip(self, video: int) -> tuple[npt.NDArray[Any], float]:
         """Light (T,H,W) of a whole video, and its frames per second."""
-        with self._lock:
-            if video in self._clips:
+        kept = self._clips.get(video)
+        if kept is not None:
+            # Another thread may have dropped it meanwhile. There is no lock: a fork would keep it locked.
+            with suppress(KeyError):
                 self._clips.move_to_end(video)
-                return self._clips[video]
+            return kept
         with collected() as cautions:
             clip, fps = load(self.videos[video], fps=self._fps, scale=self._scale)
         if clip.dtype != np.uint8:
@@ -304,11 +298,11 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             cautions += [] if of_light is None else [of_light]
         for text in cautions:
             self._place.caution(text)
-        with self._lock:
-            self._clips[video] = clip, fps
-            while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
-                if len(self._clips) == 1:
-                    break
+        self._clips[video] = clip, fps
+        while sum(other.nbytes for other, _ in [*self._clips.values()]) > self._most:
+            if len(self._clips) <= 1:
+                break
+            with suppress(KeyError):
                 self._clips.popitem(last=False)
         return clip, fps
 

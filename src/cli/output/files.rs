@@ -402,12 +402,13 @@ static FILES: Mutex<Files> = Mutex::new(Files {
     written: Vec::new(),
 });
 
-/// Files that this command was to write and has not: what stands there is what stood there before.
+/// Files that this command was to write and has not: what stands there is what stood there before. Where
+/// the system does not number files, nothing is known of that.
 pub(super) fn unwritten() -> Vec<String> {
     let files = files();
     let missing = files.written.iter().filter(|(path, id)| {
         let is_file = matches!(save::output_kind(path), Ok(OutputKind::File { .. }));
-        is_file && Id::of_written(path).is_ok_and(|now| now == *id)
+        cfg!(unix) && is_file && Id::of_written(path).is_ok_and(|now| now == *id)
     });
     missing
         .map(|(path, _)| path.display().to_string())

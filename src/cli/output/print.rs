@@ -90,6 +90,17 @@ pub(in crate::cli) fn failed(report: &miette::Report) -> ExitCode {
     ExitCode::from(2)
 }
 
+/// Names, of many only the first.
+fn first_of(names: &[String]) -> String {
+    const TOLD: usize = 3;
+    let (told, more) = names.split_at(names.len().min(TOLD));
+    let told = told.join(", ");
+    match more.len() {
+        0 => told,
+        more => format!("{told} and {more} more"),
+    }
+}
+
 /// The exit code of what ended early since nobody takes an output: files that it was to write as well
 /// are no success.
 fn ended(code: u8) -> ExitCode {
@@ -100,7 +111,7 @@ fn ended(code: u8) -> ExitCode {
     let report = miette!(
         help = "read all of the output, or write it to a file",
         "{}: not written, since the reader of another output has gone",
-        missing.join(", ")
+        first_of(&missing)
     );
     complain(&format!("{report:?}\n"));
     ExitCode::from(2)

@@ -260,7 +260,7 @@ where
 }
 
 /// Why there is no front, and no knee of it.
-const NO_KNEE: &str = "seconds and error are known of no model; each says why";
+const NO_KNEE: &str = "of no model both seconds and error are known; the table says why of each";
 
 /// What the full model is called.
 pub const FULL: &str = "the full model";

@@ -200,7 +200,7 @@ pub enum StoreError {
     /// Files of points that were damaged.
     #[error("{} of points {} damaged:{}", counted(damaged.len(), "file"), if damaged.len() == 1 { "is" } else { "are" }, damages(damaged))]
     #[diagnostic(help(
-        "run `amacrine sweep` with the study and this folder as --output: it sets the damaged files aside and computes their points again; nothing was written"
+        "run `amacrine sweep` with the study and this folder as --output: it sets the damaged files aside and computes their points again; no result was written"
     ))]
     Points {
         /// All of them.
@@ -213,7 +213,7 @@ pub enum StoreError {
         listed(disagreements.iter().map(ToString::to_string))
     )]
     #[diagnostic(help(
-        "`amacrine sweep STUDY --output DIR --verify 100%` says which folder is wrong: delete the files of these points there and compute them again; nothing was written"
+        "`amacrine sweep STUDY --output DIR --verify 100%` says which folder is wrong: delete the files of these points there and compute them again; no result was written"
     ))]
     Disagree {
         /// On how many points.

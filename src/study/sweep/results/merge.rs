@@ -23,7 +23,7 @@ use super::{
 ///
 /// # Errors
 /// When the folders are of different studies or builds, one cannot be read or is damaged, they
-/// disagree on a point, or the output is one of them or cannot be written. Nothing is then
+/// disagree on a point, or the output is one of them, is in use or cannot be written. No result is then
 /// written.
 pub fn merge(folders: &[PathBuf], into: &Path, parquet: bool) -> Kept<(Manifest, Tables)> {
     let folders = once(folders, into)?;
