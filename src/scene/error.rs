@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::rate::{MOST_FPS, Shown};
+use super::time::frame_rate::{MOST_FPS, Shown};
 use crate::{
     config::asked,
     memory::TooMuch,

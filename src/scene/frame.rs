@@ -1,8 +1,11 @@
 //! A frame, and the trait of all sources of frames.
 
 use super::{
-    alias::Alias, coding::Light, error::SceneError, image::Image, light, rate::Rate, slice::Slice,
-    unlike::Unlike,
+    checks,
+    error::SceneError,
+    light::{coding::Light, image::Image},
+    observation::{aliasing::Alias, playback::Unlike},
+    time::{frame_rate::Rate, slice::Slice},
 };
 use crate::plane::Size;
 
@@ -95,7 +98,7 @@ impl Outline {
             alias: None,
             unlike: None,
             slice: None,
-            bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
+            bytes: checks::PIXEL_BYTES_HELD * size.pixels() as u128,
         }
     }
 

@@ -22,65 +22,57 @@
 //! [`Coding`] asks for one to be undone. [`View`] shows a slice, a part of each picture, or larger
 //! pixels. Colour becomes gray by Rec. 601 (0.299 R + 0.587 G +
 //! 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
+//!
+//! - `open`, `options`, `view`, `shown`: a scene by its name, and what of it is shown.
+//! - `frame`: a frame, and what all scenes are; `checks`: what all readers check; `error`.
+//! - `decoder`: video, animations, pictures, arrays.
+//! - `light`: what samples mean, and the light that they become.
+//! - `space`, `time`: parts of a scene, larger pixels, other frame rates.
+//! - `memory`: scenes that are shown more than once.
+//! - [`pattern`]: scenes that are drawn.
+//! - `observation`: what was seen of a scene: light, cuts, repeated frames.
 
-mod alias;
-mod animation;
-mod bundled;
-mod canvas;
-mod chunks;
-mod coding;
-mod crop;
-mod cropped;
-mod cut;
-mod decoded;
+mod checks;
+mod decoder;
 mod error;
-mod folder;
 mod frame;
-mod gray;
-mod image;
 mod light;
-mod mp4;
-mod npy;
-mod observed;
+mod memory;
+mod observation;
 mod open;
 mod options;
-mod pgm;
-mod rate;
-mod repeats;
-mod resized;
-mod shown;
-mod slice;
-mod sliced;
-mod spacing;
-mod still;
-mod unlike;
-mod view;
-mod y4m;
-
-pub mod held;
-pub mod kept;
-pub mod part;
 pub mod pattern;
-pub mod resample;
-pub mod upsample;
+mod shown;
+mod space;
+mod time;
+mod view;
 
-pub use alias::Alias;
-pub use bundled::{bundled, bundled_with};
-pub use coding::{Coding, Light, Origin, Range, Samples, Transfer, word_or_auto};
-pub use crop::Crop;
-pub use cropped::Cropped;
-pub use cut::Cut;
-pub use error::SceneError;
-pub use frame::{Frame, Gap, Outline, Scene};
-pub use image::{Coded, Codes, Image, Levels};
-pub use observed::{Observation, Observed};
-pub use open::{Reopen, image_of_pattern, open};
-pub use options::OpenOptions;
-pub use rate::{ASSUMED_FPS, check_rate};
-pub use repeats::Repeated;
-pub use resized::Resized;
-pub use shown::shown;
-pub use slice::{Moment, Slice};
-pub use sliced::Sliced;
-pub use unlike::Unlike;
-pub use view::View;
+pub use self::{
+    decoder::bundled::{bundled, bundled_with},
+    error::SceneError,
+    frame::{Frame, Gap, Outline, Scene},
+    light::{
+        coding::{Coding, Light, Origin, Range, Samples, Transfer, word_or_auto},
+        image::{Coded, Codes, Image, Levels},
+    },
+    memory::{held, kept},
+    observation::{
+        aliasing::Alias,
+        cut::Cut,
+        observed::{Observation, Observed},
+        playback::Unlike,
+        repeated_frames::Repeated,
+    },
+    open::{Reopen, image_of_pattern, open},
+    options::OpenOptions,
+    shown::shown,
+    space::{crop::Crop, cropped::Cropped, resized::Resized},
+    time::{
+        frame_rate::{ASSUMED_FPS, check_rate},
+        part, resample,
+        slice::{Moment, Slice},
+        sliced::Sliced,
+        upsample,
+    },
+    view::View,
+};

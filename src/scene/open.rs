@@ -3,9 +3,15 @@
 use std::{io::Read, path::Path};
 
 use super::{
-    animation, bundled::bundled_with, decoded::Source, error::SceneError, folder, frame::Scene,
-    light, mp4, npy, options::OpenOptions, pattern::Pattern, rate::check_rate, shown::shown, still,
-    y4m,
+    checks,
+    decoder::{animation, bundled::bundled_with, folder, mp4, npy, still, y4m},
+    error::SceneError,
+    frame::Scene,
+    light::conversion::Source,
+    options::OpenOptions,
+    pattern::Pattern,
+    shown::shown,
+    time::frame_rate::check_rate,
 };
 
 /// What opens a scene, as often as a study shows it.
@@ -151,7 +157,7 @@ impl FileKind {
     /// Checks that the first bytes agree with the name.
     fn check_content(self, path: &Path) -> Result<(), SceneError> {
         let mut start = Vec::new();
-        light::open_file(path)?
+        checks::open_file(path)?
             .take(16)
             .read_to_end(&mut start)
             .map_err(|cause| SceneError::unreadable(path, cause))?;

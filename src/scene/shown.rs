@@ -1,6 +1,10 @@
 //! A scene as it is shown.
 
-use super::{Scene, SceneError, View, cropped::Cropped, resized::Resized, sliced::Sliced};
+use super::{
+    Scene, SceneError, View,
+    space::{cropped::Cropped, resized::Resized},
+    time::sliced::Sliced,
+};
 
 /// What a view shows of a scene.
 ///

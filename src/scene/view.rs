@@ -1,6 +1,6 @@
 //! What of a scene is shown, and how large.
 
-use super::{crop::Crop, slice::Slice};
+use super::{space::crop::Crop, time::slice::Slice};
 use crate::plane::Size;
 
 /// What of a scene is shown, and how large: all of it where nothing is said.

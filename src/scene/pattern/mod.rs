@@ -22,14 +22,12 @@ pub use parameters::{PARAMETERS, PATTERNS};
 
 use std::path::{Path, PathBuf};
 
-use motif::Motif;
-use parameters::Parameters;
-
+use self::{motif::Motif, parameters::Parameters};
 use super::{
     Frame, Light, OpenOptions, Outline, Samples, Scene, SceneError,
-    decoded::Source,
-    light::{self, MemoryLimit},
-    rate::{Rate, check_rate},
+    checks::{self, MemoryLimit},
+    light::conversion::Source,
+    time::frame_rate::{Rate, check_rate},
 };
 use crate::plane::{Plane, Size};
 
@@ -104,11 +102,11 @@ impl Pattern {
         let width = given.whole("width", natural.width as u64, 1..=1 << 16)?;
         let height = given.whole("height", natural.height as u64, 1..=1 << 16)?;
         let path = PathBuf::from(format!("pattern:{name}"));
-        let size = light::checked_size(&path, height as usize, width as usize)?;
+        let size = checks::checked_size(&path, height as usize, width as usize)?;
         let frames = given.whole("frames", 240, 1..=crate::limit::FRAMES)?;
-        light::check_drawn(&path, size, frames)?;
+        checks::check_drawn(&path, size, frames)?;
         let drawn = image.as_ref().map_or(0, ndarray::ArrayBase::len);
-        let held = light::PIXEL_BYTES * (drawn + 2 * size.pixels()) as u128;
+        let held = checks::PIXEL_BYTES * (drawn + 2 * size.pixels()) as u128;
         room.check(&path, size, held)?;
         let own = given.real("fps", 240.0, 1e-6..=1e9)?;
         let rate = Rate {
@@ -164,7 +162,7 @@ fn picture(
     options: &OpenOptions,
     room: MemoryLimit,
 ) -> Result<(Plane<f64>, Light), SceneError> {
-    let (coded, source) = super::still::read_with_source(path, 0, room)?;
+    let (coded, source) = super::decoder::still::read_with_source(path, 0, room)?;
     let source = Source {
         samples: Samples::Moved,
         ..source
