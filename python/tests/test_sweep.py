@@ -18,7 +18,6 @@ import amacrine
 import numpy as np
 import pytest
 from amacrine import _amacrine, sweeps
-from amacrine.names import opened
 from conftest import ROOT
 
 STUDY = """
@@ -264,7 +263,8 @@ def test_a_shard_that_is_still_computed_is_waited_for(
         with monkeypatch.context() as patch:
             patch.setattr(time, "sleep", sleep)
             if script is None:
-                told = sweeps._shard(opened("studies", study, "study"), [], output, (0, 3), None)
+                given = str(study), study.read_text(), tmp_path
+                told = sweeps._shard(given, [], output, (0, 3), None)
             else:
                 pytest.importorskip("dask.distributed")
                 own = runpy.run_path(str(ROOT / "examples/cluster" / script))
