@@ -794,6 +794,11 @@ fn folders_of_others_are_left_alone() {
     let lock = fs::File::open(at.join("out/lock")).unwrap();
     lock.try_lock().unwrap();
     refused(at, &sweep, &["out is in use by another amacrine", "merge"]);
+    let into = ["merge", "other", "--output", "out"];
+    fs::create_dir(at.join("other")).unwrap();
+    fs::copy(at.join("out/sweep.json"), at.join("other/sweep.json")).unwrap();
+    refused(at, &into, &["out is in use by another amacrine"]);
+    fs::remove_dir_all(at.join("other")).unwrap();
     drop(lock);
 
     // A point that was damaged is named, and made again.

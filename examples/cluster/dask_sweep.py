@@ -9,6 +9,7 @@ its shard is tried again and goes on where it was.
 """
 
 import argparse
+import os
 import subprocess
 import time
 from pathlib import Path
@@ -21,10 +22,11 @@ def shard(program, study, output, index, count):
     is waited for."""
     command = [program, "sweep", study, "--output", f"{output}/shard-{index}"]
     command += ["--shard", f"{index}/{count}", "--jobs", "1", "--json"]
+    # Its messages in plain lines.
+    plain = {**os.environ, "NO_GRAPHICS": "1"}
     while True:
-        done = subprocess.run(command, capture_output=True, text=True)
-        # Its lines are broken, with a bar before each.
-        if "in use by another amacrine" not in " ".join(done.stderr.replace("│", " ").split()):
+        done = subprocess.run(command, capture_output=True, text=True, env=plain)
+        if "in use by another amacrine" not in done.stderr:
             break
         time.sleep(5)
     if done.returncode != 0:

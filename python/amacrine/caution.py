@@ -42,7 +42,7 @@ _COLLECTED: ContextVar[list[str] | None] = ContextVar("_COLLECTED", default=None
 @contextmanager
 def collected() -> Iterator[list[str]]:
     """Cautions of this thread go to a list and to nobody else. ``warnings.catch_warnings`` is of all
-    threads at once: two that leave it in another order than they entered it leave a filter behind."""
+    threads at once: two that leave it in the order in which they entered it leave a filter behind."""
     texts: list[str] = []
     before = _COLLECTED.set(texts)
     try:

@@ -109,8 +109,8 @@ def sweep(
             table such as ``{"on": 40, "off": 50, "sigma": 0}``.
         client: A ``dask.distributed.Client``: each task is a shard, in a folder of its own
             (``output/shard-0``, …), and all are joined in ``output/all``. The folder must be one that
-            all workers see. A shard whose worker is lost is tried again and goes on where it was, once nobody works
-            in its folder any longer.
+            all workers see. A shard whose worker is lost is tried again and goes on where it was,
+            once nobody works in its folder any longer.
         shards: Tasks with a client; where it is left out, as many as the folder was begun with, or
             four for each worker. Another number would compute finished points again, and is refused.
         jobs: Points at a time without a client, each on one thread; as many as there are cores where it

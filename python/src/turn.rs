@@ -28,7 +28,7 @@ impl Turn {
         Self::default()
     }
 
-    /// Calls it in a turn of its own.
+    /// Calls `what`, unless somebody is in it already.
     fn take<'py>(&self, what: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         if self.0.swap(true, Ordering::Acquire) {
             return Err(refused(

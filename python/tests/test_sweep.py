@@ -13,6 +13,7 @@ import sys
 import time
 from pathlib import Path
 from typing import Any, Callable
+from unittest.mock import MagicMock
 
 import amacrine
 import numpy as np
@@ -242,7 +243,7 @@ def test_files_that_are_set_aside_are_told_of(
     assert len(list((output / "damaged").iterdir())) == 2
 
 
-@pytest.mark.parametrize("script", [None, "dask_sweep.py"])
+@pytest.mark.parametrize("script", [None, "dask_sweep.py", "ray_sweep.py"])
 def test_a_shard_that_is_still_computed_is_waited_for(
     script: str | None, study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -267,7 +268,11 @@ def test_a_shard_that_is_still_computed_is_waited_for(
                 given = str(study), study.read_text(), tmp_path
                 told = sweeps._shard(given, [], output, (0, 3), None)
             else:
-                pytest.importorskip("dask.distributed")
+                for engine in ("dask", "dask.distributed", "ray"):
+                    patch.setitem(sys.modules, engine, MagicMock())
+                # What is decorated is as it was.
+                sys.modules["ray"].remote = lambda **_: lambda made: made  # type: ignore[attr-defined]
+                patch.setenv("FORCE_COLOR", "1")
                 own = runpy.run_path(str(ROOT / "examples/cluster" / script))
                 program = os.environ.get("AMACRINE", ROOT / "target/release/amacrine")
                 told = own["shard"](program, study, output, 0, 3)

@@ -10,7 +10,8 @@
 //!
 //! - `request`: what is asked of the compiler; `error`: why there is no program.
 //! - `intermediate`: linear forms, and plans before they have registers.
-//! - `construction`: plans that need no search: walks, tours, single weights, separable kernels.
+//! - `construction`: plans built forwards: walks, single weights, separable kernels, and tours, which
+//!   are searched for.
 //! - `search`: beam search, lower bounds, the exhaustive search.
 //! - `codegen`: registers, the words of a chip, the filter that comes out.
 //! - `silicon`: what constant errors, mismatch and noise do to a result, and plans that lose least.

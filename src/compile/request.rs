@@ -1,4 +1,4 @@
-//! What is asked of the compiler, and the search for it: [`Request::filter`] is the entry, in
+//! What is asked of the compiler. Its entry is [`Request::filter`], in
 //! [`register_count`](super::search::register_count).
 
 use super::{

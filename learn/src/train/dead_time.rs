@@ -22,7 +22,7 @@ const HALVINGS: u32 = 6;
 pub struct DeadTime {
     /// The first arm that learns by a gradient.
     pub arm: String,
-    /// The targets at which it does, each with the share of events that are lost.
+    /// The targets at which it does, from the lowest up, each with the share of events that are lost.
     pub costs: Vec<(f64, f64)>,
     /// A shorter one in microseconds, which does not at the dearest of these targets, and what it costs
     /// there.
@@ -46,17 +46,14 @@ impl DeadTime {
         };
         let is_own = |job: &&Job<'_>| job.arm.name == first.arm.name && job.seed == first.seed;
         let mut own: Vec<_> = jobs.iter().filter(is_own).collect();
-        own.sort_by(|a, b| b.target.total_cmp(&a.target));
+        own.sort_by(|a, b| a.target.total_cmp(&b.target));
         let mut costs = Vec::new();
-        // Fewer events lose less: where one target does not lose most, a lower one does not either.
+        // Each by itself: a higher target may lose less, where it adds cells that fire once a pair.
         for job in own {
-            match lost(task, job, clips)? {
-                Some(share) if share > MOST => costs.push((job.target, share)),
-                Some(_) => break,
-                None => {}
+            if let Some(share) = lost(task, job, clips)?.filter(|share| *share > MOST) {
+                costs.push((job.target, share));
             }
         }
-        costs.reverse();
         let dearest = costs.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((target, _)) = dearest.copied() else {
             return Ok(None);

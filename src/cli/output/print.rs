@@ -90,7 +90,7 @@ pub(in crate::cli) fn failed(report: &miette::Report) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Names, of many only the first.
+/// Names; of more than three the first three, and how many more.
 fn first_of(names: &[String]) -> String {
     const TOLD: usize = 3;
     let (told, more) = names.split_at(names.len().min(TOLD));

@@ -1,10 +1,11 @@
-//! Plans by construction, which look at no or few other plans.
+//! Plans that are built forwards, from the input to the kernel.
 //!
 //! - [`walk`]: a running sum over the places of a kernel, in the order of a [`route`];
-//!   [`border_safe`]: one that is right up to the border; [`plan_builder`]: what both are built with.
+//!   [`border_safe`]: one that is right up to the border; [`plan_builder`]: what
+//!   these and tours are built with.
 //! - [`scale`]: a single weight; [`separable`]: one filter after the other.
 //! - [`tour`]: a running sum that stops at few places, with copies of the input.
-//! - [`naive_cost`]: the words of the plainest program.
+//! - [`naive_cost`]: no plan, but the number of words of the plainest program.
 
 pub(super) mod border_safe;
 pub(super) mod naive_cost;

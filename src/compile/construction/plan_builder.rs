@@ -1,4 +1,4 @@
-//! The plan builder of `walk` and `border_safe`: running sums, and the multiples of the input that
+//! The plan builder of `walk`, `border_safe` and `tour`: running sums, and the multiples of the input that
 //! are added to them.
 
 use crate::{

@@ -1,4 +1,4 @@
-//! The tour of a walk over the places of a kernel: a travelling salesman problem, solved by 2-opt
+//! The route of a walk over the places of a kernel: a travelling salesman problem, solved by 2-opt
 //! from several start tours.
 
 use std::{cell::RefCell, collections::BTreeMap};

@@ -1,6 +1,7 @@
 //! The search for the plan of fewest words.
 //!
-//! - [`register_count`]: over numbers of registers; [`solve`]: the best plan that an effort finds with
+//! - [`register_count`]: the entry, [`Request::filter`](super::Request::filter), which searches with each
+//!   number of registers; [`solve`]: the best plan that an effort finds with
 //!   some of them.
 //! - [`beam`]: beam search, from the goals back to the input.
 //! - [`bound`]: lower bounds, and the exhaustive search; [`plan_table`]: plans from its table.

@@ -2,7 +2,7 @@
 //!
 //! - [`forecast`]: correlation and noise of a result; [`noise`]: what mismatch and temporal noise
 //!   leave in it; [`dark_offset`]: what constant errors leave in the dark.
-//! - [`survival`]: the plan of which most comes out.
+//! - [`survival`]: chooses, among the plans that searches find, the one of which most comes out.
 //! - [`offset_cancellation`]: constant errors out of a plan; [`border_offset`]: at the border, too.
 
 pub(super) mod border_offset;

@@ -24,7 +24,7 @@ use crate::{
         checks::{self, MemoryLimit},
         light::{
             conversion::Source,
-            luma::{self, Depth, Layout},
+            pixel::{self, Depth, Layout},
         },
         time::frame_rate::Rate,
     },
@@ -309,7 +309,7 @@ impl<R: BufRead + Send> Patches for Gif<R> {
                 x: frame.left.into(),
                 size: Size::new(frame.height.into(), frame.width.into()),
             },
-            pixels: luma::pixels(layout, &frame.buffer).collect(),
+            pixels: pixel::pixels(layout, &frame.buffer).collect(),
             over: true,
             disposal: match frame.dispose {
                 gif::DisposalMethod::Any | gif::DisposalMethod::Keep => Disposal::Keep,
@@ -407,7 +407,7 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
                 x: control.x_offset as usize,
                 size: Size::new(drawn.height as usize, drawn.width as usize),
             },
-            pixels: luma::pixels(Layout { channels, depth }, bytes).collect(),
+            pixels: pixel::pixels(Layout { channels, depth }, bytes).collect(),
             over: control.blend_op == png::BlendOp::Over,
             disposal: match control.dispose_op {
                 png::DisposeOp::None => Disposal::Keep,

@@ -5,7 +5,7 @@
 
 use crate::{
     plane::{Plane, Size},
-    scene::light::luma::Pixel,
+    scene::light::pixel::Pixel,
 };
 
 /// A canvas, black at first.

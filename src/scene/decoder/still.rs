@@ -16,7 +16,7 @@ use crate::{
         checks::{self, MemoryLimit},
         light::{
             conversion::Source,
-            luma::{self, Depth, Layout},
+            pixel::{self, Depth, Layout},
         },
         time::frame_rate::Rate,
     },
@@ -159,7 +159,7 @@ fn decode<R: BufRead + Seek>(
             Image::of_words(size, codes, full_range())
         }
         _ => {
-            let lights = luma::pixels(Layout { channels, depth }, &bytes).map(|p| p.light);
+            let lights = pixel::pixels(Layout { channels, depth }, &bytes).map(|p| p.light);
             checks::plane(size, lights.collect()).map(Image::from)
         }
     };

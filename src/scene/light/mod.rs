@@ -2,9 +2,9 @@
 //!
 //! - [`image`]: the light of a frame, held as its samples are.
 //! - [`coding`]: what samples mean, and who says so; [`conversion`]: range, scale and transfer, applied.
-//! - [`luma`]: colour to gray.
+//! - [`pixel`]: pixels of decoded pictures, colour to gray.
 
 pub(super) mod coding;
 pub(super) mod conversion;
 pub(super) mod image;
-pub(super) mod luma;
+pub(super) mod pixel;

@@ -260,7 +260,7 @@ where
 }
 
 /// Why there is no front, and no knee of it.
-const NO_KNEE: &str = "of no model both seconds and error are known; the table says why of each";
+const NO_KNEE: &str = "no model has both its seconds and its error known; each says why";
 
 /// What the full model is called.
 pub const FULL: &str = "the full model";

@@ -23,8 +23,8 @@ use super::{
 ///
 /// # Errors
 /// When the folders are of different studies or builds, one cannot be read or is damaged, they
-/// disagree on a point, or the output is one of them, is in use or cannot be written. No result is then
-/// written.
+/// disagree on a point, or the output is one of them, is in use or cannot be written. Only in
+/// the last case may some points have been written; they are whole.
 pub fn merge(folders: &[PathBuf], into: &Path, parquet: bool) -> Kept<(Manifest, Tables)> {
     let folders = once(folders, into)?;
     let (first, others) = folders.split_first().ok_or(StoreError::Nothing)?;

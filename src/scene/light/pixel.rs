@@ -1,4 +1,4 @@
-//! Conversion of a decoded picture's samples to light.
+//! Pixels of decoded pictures: colour to gray (Rec. 601), and alpha.
 
 /// The samples of one pixel of a decoded picture.
 #[derive(Clone, Copy, Debug)]
