@@ -269,3 +269,16 @@ fn lost(cause: &io::Error) -> u8 {
     complain(&format!("{report:?}\n"));
     1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::first_of;
+
+    #[test]
+    fn of_many_names_the_first_are_told() {
+        let names = |count: usize| (1..=count).map(|n| format!("{n}.npy")).collect::<Vec<_>>();
+        assert_eq!(first_of(&names(1)), "1.npy");
+        assert_eq!(first_of(&names(3)), "1.npy, 2.npy, 3.npy");
+        assert_eq!(first_of(&names(42)), "1.npy, 2.npy, 3.npy and 39 more");
+    }
+}
