@@ -140,11 +140,10 @@ def sweep(
     if jobs is not None:
         raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
     path = path.absolute()
-    path.mkdir(parents=True, exist_ok=True)
     count = _count(path, client, shards)
     # The last one first: its number tells how many there are, whenever this is stopped.
     for n in reversed(range(count)):
-        (path / f"shard-{n}").mkdir(exist_ok=True)
+        (path / f"shard-{n}").mkdir(parents=True, exist_ok=True)
     tasks = [
         client.submit(
             _shard, given, sets, path, (n, count), longest, retries=2, pure=False

@@ -294,5 +294,8 @@ def test_on_a_cluster(study: Path, tmp_path: Path) -> None:
         assert len(again) == 9 and again.computed == 0
         with pytest.raises(amacrine.Error, match="was begun with 3: .*computed again"):
             amacrine.sweep(study, tmp_path / "dask", client=client, shards=2)
+        with pytest.raises(amacrine.Error, match="shards = 0"):
+            amacrine.sweep(study, tmp_path / "x", client=client, shards=0)
+        assert not (tmp_path / "x").exists()
         with pytest.raises(amacrine.Error, match="jobs with a client"):
             amacrine.sweep(study, tmp_path / "x", client=client, jobs=2)

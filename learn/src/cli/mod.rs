@@ -161,8 +161,9 @@ fn train(asked: &RunArguments, budget: Budget) -> Result<()> {
             jobs.push(job);
         }
     }
-    warn_of_dead_time(&task, &run, &jobs)?;
     announce(&task, &run, &jobs, finished)?;
+    // Behind the forecast, which tells the memory that it adds to the most so far.
+    warn_of_dead_time(&task, &run, &jobs)?;
     if asked.dry_run {
         return Ok(());
     }

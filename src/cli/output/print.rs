@@ -104,9 +104,12 @@ fn first_of(names: &[String]) -> String {
 /// The exit code of what ended early since nobody takes an output: files that it was to write as well
 /// are no success.
 fn ended(code: u8) -> ExitCode {
-    let missing = files::unwritten();
-    if code != 0 || missing.is_empty() {
+    if code != 0 {
         return ExitCode::from(code);
+    }
+    let missing = files::unwritten();
+    if missing.is_empty() {
+        return ExitCode::SUCCESS;
     }
     let report = miette!(
         help = "read all of the output, or write it to a file",
