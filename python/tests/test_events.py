@@ -513,6 +513,13 @@ def test_effects_are_left_out_as_run_does(
         assert events.tobytes() == np.load(tmp_path / "e.npy").tobytes()
         assert events.tobytes() != sensor.events(frames, FPS).tobytes()
         assert plain.without().text == plain.text
+    # Without a period, the authors' rule is still another than a dead time.
+    authors = amacrine.Sensor(kernels(2, 3), 0.3, refractory={"us": 9000, "rule": "authors"})
+    (tmp_path / "it.toml").write_text(authors.text)
+    program("run", *words, "--events", tmp_path / "e.npy", "--without", "dead-time")
+    events = authors.without("dead-time").events(frames, FPS)
+    assert events.tobytes() == np.load(tmp_path / "e.npy").tobytes()
+    assert events.tobytes() != amacrine.Sensor(kernels(2, 3), 0.3).events(frames, FPS).tobytes()
     with pytest.raises(amacrine.Error, match="has no jitter to leave out"):
         sensor.without("jitter")
     with pytest.raises(amacrine.Error, match="did you mean `leak`"):

@@ -36,6 +36,17 @@ impl MemoryRule {
             Self::FilteredSnap | Self::FilteredStep => false,
         }
     }
+
+    /// The refractory period of a sensor file that states none: not at all, by the rule that the memory
+    /// has.
+    #[must_use]
+    pub const fn unstated_refractory(self) -> Refractory {
+        let rule = match self {
+            Self::AuthorsPixelStep => RefractoryRule::Authors,
+            Self::RawSnap | Self::FilteredSnap | Self::FilteredStep => RefractoryRule::DeadTime,
+        };
+        Refractory { us: 0.0, rule }
+    }
 }
 
 listed! {

@@ -69,10 +69,7 @@ impl Description {
             let what = format!("a refractory period of {us} us");
             return Err(Odd::new(what, "give microseconds, 0 or more"));
         }
-        // Without a period there is no rule of it.
-        if us > 0.0 {
-            refractory(self.memory, rule)?;
-        }
+        refractory(self.memory, rule)?;
         if let Some((key, value)) = odd_noise(&self.noise) {
             // The field that has the key's number.
             let what = format!("noise {} of {value}", key.replace('-', "_"));
@@ -124,8 +121,9 @@ impl Channel {
         }
         if let Some(surrounds) = &self.surrounds {
             mesh(memory, kernels > 1, self.log_temporal)?;
-            let is_pixel = self.kernels.iter().all(|kernel| kernel.reach() == (0, 0));
-            let help = "give a kernel of one weight: the mesh stands in place of the kernel";
+            let is_pixel = |kernel: &Kernel| kernel.weights().iter().eq([&1.0]);
+            let is_pixel = self.kernels.iter().all(is_pixel);
+            let help = "give a kernel of one weight of 1: the mesh stands in place of the kernel";
             unless(is_pixel, "a kernel beside a mesh", help)?;
             if let Some((what, help)) = surrounds.odd() {
                 return Err(Odd::new(what, help));
