@@ -42,6 +42,7 @@ mod train;
 mod voxel;
 
 pub use any_format::{AnyReference, Sinks};
+pub use bytes::StateBytes;
 pub use counts::{CountBand, Counts};
 pub use description::{
     Border, ChangeError, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile,

@@ -181,6 +181,12 @@ impl<N: Number> Reference<N> {
         &self.plan.description
     }
 
+    /// Bytes of its cells that must last to the next frame.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> usize {
+        self.bands.iter().map(Band::kept).sum()
+    }
+
     /// Counters of the run so far.
     #[must_use]
     pub fn report(&self) -> Report {

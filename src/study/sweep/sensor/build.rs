@@ -8,7 +8,7 @@ use crate::{
     array::{self, Arithmetic, Unheld},
     number::Format,
     plane::Size,
-    reference::{Description, MemoryRule},
+    reference::{Description, StateBytes},
     rig::Larger,
     sensor::Sensor,
     study::{
@@ -34,7 +34,8 @@ pub(in crate::study::sweep) fn float(entry: &Entry, row: &mut Row) -> Result<Flo
     let point = &entry.point;
     let format: Format = point.word("format").unwrap_or("f64").parse()?;
     let description = description::description(point, &entry.kernels)?;
-    let bytes = float_state(&description, format) * entry.scene.size.pixels() as u64;
+    let state = StateBytes::of(&description, bytes(format) as usize).sum();
+    let bytes = state as u64 * entry.scene.size.pixels() as u64;
     row.insert("state_memory_bytes".to_owned(), json!(bytes));
     Ok(Float {
         description,
@@ -51,33 +52,6 @@ const fn bytes(format: Format) -> u64 {
         Format::F16 | Format::Bf16 => 2,
         Format::Fixed(fixed) => fixed.bits() as u64 / 8,
     }
-}
-
-/// Bytes of a pixel that must last from one frame to the next: the memory of each of its cells,
-/// or one for all, for a memory that steps a count and the drive of the frame before, the time of a
-/// cell's last event under a dead time, its share of a low-pass and of a sheet.
-fn float_state(description: &Description, format: Format) -> u64 {
-    let held = bytes(format);
-    let cells = description.channels.len() as u64;
-    let memories = if description.shared { 1 } else { cells };
-    let step = description.memory == MemoryRule::FilteredStep;
-    let sheets = { description.channels.iter() }
-        .filter_map(|channel| channel.surrounds.as_ref())
-        .flat_map(|surrounds| &surrounds.sheets);
-    let moving = sheets.filter(|sheet| sheet.tau > 0.0).count();
-    memories * held
-        + if step { cells * (4 + held) } else { 0 }
-        + if description.refractory.us > 0.0 {
-            cells * 8
-        } else {
-            0
-        }
-        + if description.noise.cutoff_hz > 0.0 {
-            8
-        } else {
-            0
-        }
-        + 8 * moving as u64
 }
 
 /// The program of an array point, and how its array is worked on.
