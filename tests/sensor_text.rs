@@ -5,9 +5,9 @@ use amacrine::{
     event::Packet,
     plane::Size,
     property::{Clip, clips, sensors},
-    reference::{Description, MemoryRule, Reference, Refractory, RefractoryRule},
+    reference::{Description, Effect, MemoryRule, Reference, Refractory, RefractoryRule},
     rig,
-    study::pilot::{Effect, left_out::sensor_without},
+    study::pilot::left_out::sensor_without,
 };
 use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 

@@ -49,13 +49,10 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("ASSUMED_FPS", ASSUMED_FPS)?;
     // That of the authors needs a kernel for the memory, for which there is no argument.
-    let authors = MemoryRule::AuthorsPixelStep.word();
-    let memories = MemoryRule::WORDS.iter().rev();
+    let memories = MemoryRule::ALL.iter().rev();
+    let memories = memories.filter(|rule| !rule.has_kernel());
     for (name, words) in [
-        (
-            "MEMORIES",
-            memories.copied().filter(|word| *word != authors).collect(),
-        ),
+        ("MEMORIES", memories.map(|rule| rule.word()).collect()),
         ("RANGES", [&["auto"][..], Range::WORDS].concat()),
         ("TRANSFERS", [&["auto"][..], Transfer::WORDS].concat()),
         ("OF_SENSOR", OF_SENSOR.to_vec()),

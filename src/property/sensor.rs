@@ -38,7 +38,7 @@ pub fn sensors() -> impl Strategy<Value = Description> {
                     name: name.to_owned(),
                     response,
                     memory,
-                    shared: shared && memory == MemoryRule::RawSnap,
+                    shared: shared && memory.may_be_shared(),
                     polarity,
                     border,
                     refractory,
@@ -73,12 +73,8 @@ fn responses() -> impl Strategy<Value = Response> {
 }
 
 fn refractories(memory: MemoryRule) -> impl Strategy<Value = Refractory> {
-    let rules = match memory {
-        MemoryRule::AuthorsPixelStep => &[RefractoryRule::Authors][..],
-        MemoryRule::FilteredStep => RefractoryRule::ALL,
-        MemoryRule::RawSnap | MemoryRule::FilteredSnap => &[RefractoryRule::DeadTime],
-    };
-    (or_zero(50.0..30_000.0), select(rules)).prop_map(|(us, rule)| Refractory { us, rule })
+    (or_zero(50.0..30_000.0), select(memory.refractory_rules()))
+        .prop_map(|(us, rule)| Refractory { us, rule })
 }
 
 fn noises(leaks: bool) -> impl Strategy<Value = Noise> {
@@ -142,7 +138,7 @@ fn channels(memory: MemoryRule, span: f64) -> impl Strategy<Value = Channel> {
             kernels,
             surrounds,
             thresholds,
-            memory_kernel: (memory == MemoryRule::AuthorsPixelStep).then_some(held),
+            memory_kernel: memory.has_kernel().then_some(held),
             log_temporal: log_temporal && !is_mesh && !memory.holds_pixels(),
         }
     })

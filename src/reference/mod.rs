@@ -45,8 +45,8 @@ pub use any_format::{AnyReference, Sinks};
 pub use bytes::StateBytes;
 pub use counts::{CountBand, Counts};
 pub use description::{
-    Border, ChangeError, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile,
-    Refractory, RefractoryRule, Threshold, keys,
+    Alone, Border, ChangeError, Channel, Description, Effect, InBetween, Influence, MemoryRule,
+    OpenError, PolarityRule, ReadFile, Refractory, RefractoryRule, Region, Stage, Threshold, keys,
 };
 pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};

@@ -12,7 +12,7 @@ use crate::{
 };
 
 use super::{
-    description::{Channel, Description, PolarityRule},
+    description::{Channel, Description, PolarityRule, Stage},
     signal::{Light, Photoreceptors},
     surround::{SheetRule, Surround, Surrounds},
 };
@@ -190,7 +190,7 @@ impl Description {
         let sees_its_drive = channel.surrounds.is_some()
             && !self.memory.holds_pixels()
             && self.polarity == PolarityRule::Filtered
-            && self.noise.cutoff_hz <= 0.0
+            && !self.is_influenced(|it| it.stage == Stage::Pixel)
             && !channel.log_temporal
             && channel.kernels.iter().all(is_pixel);
         if !sees_its_drive || !format.visit(HoldsAll(&self.response)) {

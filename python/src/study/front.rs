@@ -8,12 +8,10 @@ use amacrine::{
     number::{Format, FormatError},
     photoreceptor::Response,
     picture::svg,
-    reference::Description,
+    reference::{Description, Effect},
     scene::{Scene as _, kept::Kept},
     study::{
-        pilot::{
-            Chips, Choice, Effect, Floats, Look, NoLimit, PlanError, Sampled, Survey, plan::KEPT,
-        },
+        pilot::{Chips, Choice, Floats, Look, NoLimit, PlanError, Sampled, Survey, plan::KEPT},
         trade::{Ask, Point, Programs, Setup, Trade, told::Told, trade as survey_all},
     },
     unit::{Micros, counted},

@@ -7,9 +7,9 @@ use crate::{
         run::read_sensor,
     },
     number::Format,
-    reference::Reference,
+    reference::{Effect, Reference},
     study::{
-        pilot::{Choice, Effect, Floats},
+        pilot::{Choice, Floats},
         trade::OF_SENSOR,
     },
 };

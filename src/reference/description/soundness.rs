@@ -152,23 +152,26 @@ pub(super) fn channels(number: usize) -> Result<(), Odd> {
 
 /// Which refractory rule a memory can have.
 pub(super) fn refractory(memory: MemoryRule, rule: RefractoryRule) -> Result<(), Odd> {
-    let authors = rule == RefractoryRule::Authors;
-    unless(
-        memory.steps() || !authors,
-        "refractory rule = \"authors\" counts the steps of a memory, but this memory snaps",
-        "use rule = \"dead-time\", or memory = \"filtered-step\"",
-    )?;
-    unless(
-        memory != MemoryRule::AuthorsPixelStep || authors,
-        "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory rule is its own",
-        "use rule = \"authors\"",
-    )
+    if memory.refractory_rules().contains(&rule) {
+        return Ok(());
+    }
+    let (what, help) = match rule {
+        RefractoryRule::Authors => (
+            "refractory rule = \"authors\" counts the steps of a memory, but this memory snaps",
+            "use rule = \"dead-time\", or memory = \"filtered-step\"",
+        ),
+        RefractoryRule::DeadTime => (
+            "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory rule is its own",
+            "use rule = \"authors\"",
+        ),
+    };
+    Err(Odd::new(what, help))
 }
 
 /// Whether one memory serves all kinds: only a memory of pixels is the same for all of them.
 pub(super) fn shared(memory: MemoryRule, shared: bool) -> Result<(), Odd> {
     unless(
-        !shared || memory == MemoryRule::RawSnap,
+        !shared || memory.may_be_shared(),
         "shared = true is for memory = \"raw-snap\": a picture of the pixels is the same for all kinds, a filtered signal is each kind's own",
         "use memory = \"raw-snap\", or leave shared out",
     )
@@ -220,7 +223,7 @@ pub(super) fn log_temporal(memory: MemoryRule, log_temporal: bool) -> Result<(),
 
 /// Which memories are seen through a kernel of their own, and through which they are stable.
 pub(super) fn memory_kernel(memory: MemoryRule, kernel: Option<&Kernel>) -> Result<(), Odd> {
-    let authors = memory == MemoryRule::AuthorsPixelStep;
+    let authors = memory.has_kernel();
     unless(
         !authors || kernel.is_some(),
         "memory = \"authors-pixel-step\" needs a memory-kernel",

@@ -15,10 +15,10 @@ use crate::{
     array::{Arithmetic, Schedule},
     compare::metric,
     number::Format,
-    reference::Description,
+    reference::{Description, Effect},
     study::{
         design,
-        pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure, look},
+        pilot::{ChangeEstimate, Chips, Choice, Family, Floats, Machine, Measure, look},
         sweep::{
             points::plan::{Entry, Plan},
             results::pilot_file::{Found, PilotFile},
