@@ -81,7 +81,7 @@ proptest! {
         let Some(cells) = sensor.behind_sheets(Format::F64) else {
             return Ok(());
         };
-        let mut sheets = SheetDrive::new(&sensor, SIZE, 3).unwrap();
+        let mut sheets = SheetDrive::new(sensor.sheets(3).unwrap(), SIZE);
         let drives = clip.frames.iter().enumerate().map(|(index, light)| {
             let (index, seconds) = (index as u64, index as f64 / clip.fps);
             let light = light.clone().into();

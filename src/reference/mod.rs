@@ -53,7 +53,7 @@ pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
 pub use report::Report;
 pub use sensor::{Reference, bands_of};
-pub use sheets::SheetDrive;
+pub use sheets::{SheetDrive, SheetSpec};
 pub use surround::{SheetRule, Surround, Surrounds};
 pub use tally::{Tally, TallyBand};
 pub use train::{BandSink, Interval, Sink, Train, TrainRow};
