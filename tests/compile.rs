@@ -219,7 +219,7 @@ fn silicon_errs_as_predicted() {
         request.range = Some((0.0, 32.0));
         let filter = request.filter().unwrap();
         let level = 24.0;
-        let said = filter.noise(&device, request.input, level, &request.into)[0];
+        let said = filter.noise(&device, level)[0];
         let text = filter.text(&device, 0);
         let program = Program::parse("filter", &text).unwrap();
         let code = program.expand(&device, &Overrides::default()).unwrap().code;

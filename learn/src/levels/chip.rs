@@ -148,16 +148,10 @@ impl Chip {
             });
         }
         let request = self.request(&kernels)?;
-        let input = request.input;
         let sensor = SensorProgram::new(&cells, DriveMemory::Analogue, "learned", &request)?;
-        let noise = sensor
-            .filter
-            .noise(&self.device, input, FilterNoise::MIDDLE, &sensor.drives);
+        let noise = sensor.filter.noise(&self.device, FilterNoise::MIDDLE);
         let signal = Signal::from_range((0.0, 2.0 * FilterNoise::MIDDLE - 1.0));
-        let forecasts =
-            sensor
-                .filter
-                .forecast(&self.device, (input, &sensor.drives), &kernels, signal);
+        let forecasts = sensor.filter.forecast(&self.device, &kernels, signal);
         Ok(OnChip {
             correlation: { forecasts.iter() }
                 .map(|forecast| forecast.correlation)

@@ -437,36 +437,21 @@ fn limited(mean: f64, spread: f64, most: f64, (low, high): (f64, f64)) -> Limite
 impl Filter {
     /// What is predicted to come out of the chip, for each result.
     #[must_use]
-    pub fn forecast(
-        &self,
-        device: &Device,
-        (input, results): (Analog, &[Analog]),
-        kernels: &[Kernel],
-        signal: Signal,
-    ) -> Vec<Forecast> {
-        forecasts(&self.words, device, (input, results), kernels, signal)
+    pub fn forecast(&self, device: &Device, kernels: &[Kernel], signal: Signal) -> Vec<Forecast> {
+        let registers = (self.input, &self.results[..]);
+        forecasts(&self.words, device, registers, kernels, signal)
     }
 
     /// The same at the amplitude of [`Signal::AMPLITUDES`] at which the worst result is best.
     #[must_use]
-    pub fn best_forecast(
-        &self,
-        device: &Device,
-        (input, results): (Analog, &[Analog]),
-        kernels: &[Kernel],
-    ) -> Vec<Forecast> {
-        best(|signal| self.forecast(device, (input, results), kernels, signal))
+    pub fn best_forecast(&self, device: &Device, kernels: &[Kernel]) -> Vec<Forecast> {
+        best(|signal| self.forecast(device, kernels, signal))
     }
 
     /// The signal of [`best_forecast`](Self::best_forecast).
     #[must_use]
-    pub fn best_signal(
-        &self,
-        device: &Device,
-        registers: (Analog, &[Analog]),
-        kernels: &[Kernel],
-    ) -> Signal {
-        let best = self.best_forecast(device, registers, kernels);
+    pub fn best_signal(&self, device: &Device, kernels: &[Kernel]) -> Signal {
+        let best = self.best_forecast(device, kernels);
         Signal::around_zero(best.first().map_or(1.0, |it| it.amplitude))
     }
 }

@@ -68,16 +68,10 @@ impl Filter {
     /// both; saturation is left out. As silicon's store in `array` has it, with the numbers of
     /// `[figure.error]` in the chip's data.
     #[must_use]
-    pub fn noise(
-        &self,
-        device: &Device,
-        input: Analog,
-        level: f64,
-        results: &[Analog],
-    ) -> Vec<FilterNoise> {
+    pub fn noise(&self, device: &Device, level: f64) -> Vec<FilterNoise> {
         let mut held: BTreeMap<usize, ErrorForm> = BTreeMap::new();
         held.insert(
-            usize::from(input.0),
+            usize::from(self.input.0),
             ErrorForm {
                 level,
                 ..ErrorForm::default()
@@ -99,7 +93,7 @@ impl Filter {
                     fixed: spread(form, false),
                 })
         };
-        results.iter().map(noise).collect()
+        self.results.iter().map(noise).collect()
     }
 }
 

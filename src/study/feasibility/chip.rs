@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Time};
 use crate::{
     compile::{FilterNoise, SensorProgram},
-    isa::{Analog, Cell, Device, Evidence, Figure},
+    isa::{Cell, Device, Evidence, Figure},
     program::{CellEffect, Code, Cost},
 };
 
@@ -122,7 +122,7 @@ impl Noise {
     fn new(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
         let filter = &program.filter;
         let of = |device: &Device| {
-            let of = filter.noise(device, Analog(0), FilterNoise::MIDDLE, &program.drives);
+            let of = filter.noise(device, FilterNoise::MIDDLE);
             of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed))
         };
         let (temporal, fixed) = of(device);
