@@ -90,13 +90,12 @@ pub fn formats() -> impl Strategy<Value = Arithmetic> {
         .prop_filter_map("a format", |(whole, bits)| {
             format!("q{whole}.{}", bits - whole).parse().ok()
         });
+    let others = Format::examples().filter(|format| !matches!(format, Format::Fixed(_)));
+    let others: Vec<Format> = others.collect();
     prop_oneof![
-        Just(Arithmetic::Number(Format::F64)),
-        Just(Arithmetic::Number(Format::F32)),
-        Just(Arithmetic::Number(Format::F16)),
-        Just(Arithmetic::Number(Format::Bf16)),
-        fixed,
-        any::<u64>().prop_map(|seed| Arithmetic::Silicon { seed }),
+        others.len() as u32 => select(others).prop_map(Arithmetic::Number),
+        1 => fixed,
+        1 => any::<u64>().prop_map(|seed| Arithmetic::Silicon { seed }),
     ]
 }
 

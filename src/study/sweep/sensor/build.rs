@@ -45,12 +45,7 @@ pub(in crate::study::sweep) fn float(entry: &Entry, row: &mut Row) -> Result<Flo
 
 /// Bytes of one value.
 const fn bytes(format: Format) -> u64 {
-    match format {
-        Format::F64 => 8,
-        Format::F32 => 4,
-        Format::F16 | Format::Bf16 => 2,
-        Format::Fixed(fixed) => fixed.bits() as u64 / 8,
-    }
+    format.bytes()
 }
 
 /// Bytes of a pixel that must last from one frame to the next: the memory of each of its cells,
