@@ -24,7 +24,7 @@ use crate::{
         filter::Filter,
     },
     elementary::{exp, hypot},
-    isa::{self, Analog, Device, Errors, Primitive},
+    isa::{self, Analog, Device, Errors, Primitive, StoreTerms},
     kernel::Kernel,
     plane::Plane,
 };
@@ -338,6 +338,18 @@ impl Backwards<'_> {
     /// The variance of the temporal noise in a result, and of all else that is no signal.
     fn variances(&self, result: usize) -> (f64, f64) {
         let errors = self.errors;
+        let StoreTerms {
+            gain_mismatch,
+            offset_mismatch,
+            division_mismatch,
+            noise,
+            // In `Errors::of_gain` and `Errors::apart`.
+            mismatch_correlation: _,
+            // In the slope and in the forward pass.
+            loss: _,
+            transfer: _,
+            division: _,
+        } = errors.of_a_store();
         let mut adjoint: Vec<Option<Field>> = vec![None; self.cells];
         adjoint[result] = Some(Field::one(self.wide));
         let (mut temporal, mut other) = (0.0, 0.0);
@@ -358,23 +370,19 @@ impl Backwards<'_> {
                 read = true;
                 let power = field.power();
                 let kept = stored.kept;
-                temporal += kept * kept * errors.noise * errors.noise * power;
-                let gain = errors.gain_mismatch;
+                temporal += kept * kept * noise * noise * power;
+                let gain = gain_mismatch;
                 other += (kept * kept * gain * gain * stored.variance + stored.distortion) * power;
                 let own = errors.of_gain(stored.current);
                 gains[stored.cell].add(&field, (0, 0), kept * own);
-                offsets[stored.cell].add(&field, (0, 0), kept * errors.offset_mismatch * apart);
+                offsets[stored.cell].add(&field, (0, 0), kept * offset_mismatch * apart);
                 // The target's cell lies a step from the pixel whose bus it stored.
                 let back = (-stored.place.0, -stored.place.1);
                 bus.add(&field, back, -slope * kept / count);
                 moving = stored.variance;
                 for (k, uneven) in uneven.iter_mut().enumerate() {
                     let more = f64::from(isa::uneven(part, stores.len(), k));
-                    uneven.add(
-                        &field,
-                        back,
-                        -slope * kept * errors.division_mismatch * more,
-                    );
+                    uneven.add(&field, back, -slope * kept * division_mismatch * more);
                 }
             }
             if !read {
