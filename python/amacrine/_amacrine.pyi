@@ -29,6 +29,23 @@ MEMORIES: tuple[str, ...]
 RANGES: tuple[str, ...]
 TRANSFERS: tuple[str, ...]
 """What the samples of a clip may be taken for."""
+CANDIDATES: tuple[str, ...]
+"""Quantisers that a design and a report try."""
+CHIP: str
+DOMAIN: str
+TO: str
+EFFORT: float
+"""The chip, the arithmetic of its cells, the values of a kernel, and how long to search, in seconds,
+where nobody says it."""
+FEASIBILITY_CHIPS: int
+LINK_PJ: tuple[float, float]
+"""Chips that a report draws, and the energy of a bit on its link."""
+WATERFALL_CHIPS: int
+SAMPLE: float
+TRADE_WITHIN: float
+RUNS: int
+"""What a trade runs of the sensor, the time in seconds within which an event is the same, and how many
+runs share what it took."""
 OF_SENSOR: tuple[str, ...]
 OF_PROGRAM: tuple[str, ...]
 """Number formats that a trade tries where none are named."""

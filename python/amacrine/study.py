@@ -13,7 +13,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _amacrine, arguments, notebook
-from ._amacrine import Error
+from ._amacrine import (
+    CANDIDATES,
+    CHIP,
+    DOMAIN,
+    EFFORT,
+    FEASIBILITY_CHIPS,
+    LINK_PJ,
+    RUNS,
+    SAMPLE,
+    TO,
+    TRADE_WITHIN,
+    WATERFALL_CHIPS,
+    Error,
+)
 from .answer import Answer, told
 from .frames import shown
 from .caution import caution
@@ -186,7 +199,7 @@ def quantise(
         of_kernels = QuantisedList(each if several else [few[0] for few in each])
         return of_kernels if len(given) > 1 else of_kernels[0]
     search = _search(
-        total, "scamp5" if chip is None else chip, 1.0 if effort is None else effort, drawn or 0
+        total, CHIP if chip is None else chip, EFFORT if effort is None else effort, drawn or 0
     )
     how = search, shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
@@ -222,15 +235,15 @@ def design(
     *,
     rate: float | None = None,
     thresholds: float | Sequence[float] | None = None,
-    to: str | Sequence[str] = ("ternary", "po2-2", "po2-4", "int-3", "int-5"),
+    to: str | Sequence[str] = CANDIDATES,
     memory: str | None = None,
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     within: float | None = None,
-    effort: float = 1.0,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> Answer:
     """From kernels and a scene to sensors to choose from: the table of ``amacrine design``.
@@ -281,13 +294,13 @@ def feasibility(
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     exposure: float | None = None,
-    link_energy: float | tuple[float, float] = (1.0, 20.0),
+    link_energy: float | tuple[float, float] = LINK_PJ,
     overlapped: bool = True,
     within: float | None = None,
-    chips: int = 32,
-    effort: float = 1.0,
+    chips: int = FEASIBILITY_CHIPS,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> Answer:
     """Whether kernels can run in the pixels of a chip, and what is lost: the page of ``amacrine
@@ -347,22 +360,22 @@ class Waterfalls(list[Answer]):
 def waterfall(
     kernel: Cells,
     thresholds: float | Sequence[float] | None = None,
-    to: str = "ternary",
+    to: str = TO,
     *,
     sum: str = "kept",
-    domain: str = "silicon",
+    domain: str = DOMAIN,
     readout: Readout | None = None,
     rates: float | Sequence[float] | None = None,
     steps: bool = False,
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     set: Mapping[str, float] | None = None,
     chips: int | None = None,
     tiles: int | None = None,
     within: float | None = None,
-    effort: float = 1.0,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> Any:
     """Where the events of the float sensor go on the way to the chip, over frame rate and step by
@@ -414,7 +427,7 @@ def waterfall(
         micros("within", within),
         None if steps else _rates(rates),
         (
-            4 if chips is None else whole("chips", chips, 1, MOST_FALLEN),
+            WATERFALL_CHIPS if chips is None else whole("chips", chips, 1, MOST_FALLEN),
             None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
         ),
         _figures(set),
@@ -434,9 +447,9 @@ def trade(
     upsample: float | None = None,
     domain: str | None = None,
     formats: str | Sequence[str] | None = None,
-    within: float = 100e-6,
-    sample: float = 0.05,
-    runs: int = 1,
+    within: float = TRADE_WITHIN,
+    sample: float = SAMPLE,
+    runs: int = RUNS,
     verify: bool = False,
     seed: int | None = None,
 ) -> Answer:
@@ -482,7 +495,7 @@ def trade(
     if isinstance(sensor, Program):
         if upsample is not None:
             raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
-        full = "silicon" if domain is None else word("domain", domain, "silicon")
+        full = DOMAIN if domain is None else word("domain", domain, "silicon")
         numbers = names("formats", _amacrine.OF_PROGRAM if formats is None else formats)
         called = "program", more
         found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how, called)

@@ -32,9 +32,13 @@ mod turn;
 mod watcher;
 
 use amacrine::{
+    compile::Effort,
     reference::MemoryRule,
     scene::{ASSUMED_FPS, Range, Transfer},
-    study::trade::{OF_PROGRAM, OF_SENSOR},
+    study::{
+        defaults,
+        trade::{OF_PROGRAM, OF_SENSOR},
+    },
 };
 use numpy::PyArray1;
 use pyo3::{prelude::*, types::PyTuple, wrap_pyfunction};
@@ -58,11 +62,22 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
         ),
         ("RANGES", [&["auto"][..], Range::WORDS].concat()),
         ("TRANSFERS", [&["auto"][..], Transfer::WORDS].concat()),
+        ("CANDIDATES", defaults::CANDIDATES.split(',').collect()),
         ("OF_SENSOR", OF_SENSOR.to_vec()),
         ("OF_PROGRAM", OF_PROGRAM.to_vec()),
     ] {
         module.add(name, PyTuple::new(py, words)?)?;
     }
+    module.add("CHIP", defaults::CHIP)?;
+    module.add("DOMAIN", defaults::DOMAIN)?;
+    module.add("TO", defaults::TO)?;
+    module.add("EFFORT", Effort::SECONDS)?;
+    module.add("FEASIBILITY_CHIPS", defaults::FEASIBILITY_CHIPS)?;
+    module.add("LINK_PJ", PyTuple::new(py, defaults::LINK_PJ)?)?;
+    module.add("WATERFALL_CHIPS", defaults::WATERFALL_CHIPS)?;
+    module.add("SAMPLE", defaults::SAMPLE)?;
+    module.add("TRADE_WITHIN", defaults::TRADE_WITHIN.0 as f64 / 1e6)?;
+    module.add("RUNS", defaults::RUNS)?;
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;

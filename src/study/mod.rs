@@ -3,6 +3,7 @@
 pub mod all_events;
 pub mod balance;
 pub mod cells;
+pub mod defaults;
 pub mod design;
 pub mod equivalent;
 mod error;
@@ -27,3 +28,5 @@ pub mod trade;
 pub mod waterfall;
 
 pub use error::StudyError;
+mod with_light;
+pub use with_light::WithLight;

@@ -4,6 +4,7 @@ use amacrine::{
     photoreceptor::Response,
     rig::guard::Warning,
     study::{
+        defaults,
         feasibility::{self as feasible, AtRate, readout::ReadoutOrder},
         report,
     },
@@ -39,7 +40,7 @@ pub fn feasibility(
     let kernels = of.iter().map(sighted).collect::<PyResult<Vec<_>>>()?;
     let to = to.map(quantiser).transpose()?;
     let candidates = if candidates.is_empty() {
-        feasible::CANDIDATES.split(',').map(quantiser).collect()
+        defaults::CANDIDATES.split(',').map(quantiser).collect()
     } else {
         quantisers(candidates)
     }?;

@@ -45,6 +45,7 @@ use crate::{
     program::{Cost, Expansion, Program, Step, cpp, is_cpp},
     rig::guard::Warning,
     save::save,
+    study::defaults,
     unit::counted,
 };
 
@@ -144,7 +145,7 @@ pub struct Arguments {
     #[arg(long = "as", value_enum, value_name = "LANGUAGE")]
     language: Option<Language>,
     /// Name of a shipped chip, or folder of your own
-    #[arg(long, default_value = "scamp5")]
+    #[arg(long, default_value = defaults::CHIP)]
     chip: Named,
     /// Objective of the search
     #[arg(long, value_enum, default_value_t, help_heading = heading::SEARCH)]

@@ -40,9 +40,9 @@ use crate::{
     save::{Together, TogetherError},
     scene::Observation,
     study::{
+        defaults,
         equivalent::RUNGS,
         exploration::{Aim, Exploration, Question, explore},
-        feasibility,
         together::{CHIPS, memories},
     },
 };
@@ -71,7 +71,7 @@ pub struct Arguments {
     #[command(flatten)]
     clip: Clip,
     /// Quantisers to try (`amacrine quantise --help` lists them)
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = defaults::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
     to: Vec<Quantiser>,
     /// Memory of the program: analogue, bits:N or shared
     ///
@@ -82,7 +82,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// Name of a shipped chip, or folder of your own
-    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
+    #[arg(long, default_value = defaults::CHIP, help_heading = heading::CHIP)]
     chip: Named,
     #[command(flatten)]
     window: Window,
