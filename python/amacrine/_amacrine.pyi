@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from os import PathLike
-from typing import Any, TypeVar, final
+from typing import Any, TypedDict, TypeVar, final
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,23 @@ _Lost = tuple[int, int, int, int, int]
 _OfArray = tuple[int | None, list[str], _Lost | None]
 _Side = tuple[_Path, Events | None, tuple[int, int] | None, _OfArray]
 _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
+_Waterfall = TypedDict(
+    "_Waterfall",
+    {
+        "kernels": list[_Named],
+        "thresholds": list[float],
+        "to": str,
+        "domain": str,
+        "memory": str | None,
+        "sets": list[tuple[str, float]],
+        "readout": _Readout | None,
+        "within_us": int | None,
+        "rates": list[float],
+        "chips": int,
+        "tiles": int | None,
+        "steps": bool,
+    },
+)
 
 __version__: str
 ASSUMED_FPS: float
@@ -419,16 +436,7 @@ def feasibility(
     chips: int,
 ) -> tuple[str, str]: ...
 def waterfall(
-    of: list[_Named],
-    thresholds: list[float],
-    how: tuple[str, str, str | None],
-    search: _Search,
-    scene: _Shown,
-    within_us: int | None,
-    rates: list[float] | None,
-    sample: tuple[int, int | None],
-    sets: list[tuple[str, float]],
-    through: _Readout | None,
+    asked: _Waterfall, search: _Search, scene: _Shown
 ) -> list[tuple[str, str]]: ...
 def trade_program(
     program: Program,

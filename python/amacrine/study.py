@@ -419,22 +419,26 @@ def waterfall(
             f"help: give thresholds=40, {UNIT_OF_COMPILED}, or a sensor, which has its own"
         )
     found = _amacrine.waterfall(
-        of.named,
-        limits,
-        (word("to", to, "int-5"), word("domain", domain, "exact"), of.memory),
+        {
+            "kernels": of.named,
+            "thresholds": limits,
+            "to": word("to", to, "int-5"),
+            "domain": word("domain", domain, "exact"),
+            "memory": of.memory,
+            "sets": _figures(set),
+            "readout": readout_of(readout),
+            "within_us": micros("within", within),
+            "rates": _rates(rates),
+            "chips": WATERFALL_CHIPS if chips is None else whole("chips", chips, 1, MOST_FALLEN),
+            "tiles": None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
+            "steps": steps,
+        },
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
-        micros("within", within),
-        None if steps else _rates(rates),
-        (
-            WATERFALL_CHIPS if chips is None else whole("chips", chips, 1, MOST_FALLEN),
-            None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
-        ),
-        _figures(set),
-        readout_of(readout),
     )
     rows = "steps" if steps else "rates"
-    all = Waterfalls(told(Answer.parse(text, drawing=svg, rows=rows)) for text, svg in found)
+    all = Waterfalls(Answer.parse(text, drawing=svg, rows=rows) for text, svg in found)
+    told(*all)
     return all if len(of.named) > 1 else all[0]
 
 

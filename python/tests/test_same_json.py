@@ -1,0 +1,98 @@
+"""Python's answers have the keys and the values of the command line's ``--json``."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import amacrine
+import numpy as np
+import pytest
+
+SCENE = "pattern:disc?width=48&height=40&frames=12&fps=50"
+HOW: Any = {"scene": SCENE, "effort": 0.05}
+WORDS = ("--scene", SCENE, "--effort", 0.05, "--json")
+
+Program = Callable[..., str]
+
+
+@pytest.fixture(autouse=True)
+def _quiet() -> Iterator[None]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", amacrine.Caution)
+        yield
+
+
+def _stated(text: str) -> Any:
+    """What the command line prints, in the words of Python."""
+    stated = json.loads(text)
+    if isinstance(stated, list):
+        return [amacrine.Answer.parse(json.dumps(one)).to_dict() for one in stated]
+    return amacrine.Answer.parse(text).to_dict()
+
+
+def _same(own: Any, stated: Any) -> None:
+    """First the keys, so that a failure names them."""
+    assert sorted(own) == sorted(stated)
+    assert own == stated
+
+
+def _without(of: dict[str, Any], *names: str) -> dict[str, Any]:
+    """All but some keys, which are there."""
+    assert set(names) <= set(of)
+    return {name: one for name, one in of.items() if name not in names}
+
+
+@pytest.mark.parametrize("steps", [True, False])
+def test_waterfall(program: Program, steps: bool) -> None:
+    words: tuple[Any, ...] = ("--steps",) if steps else ("--rates", "50", "--tiles", 2)
+    how: Any = {"steps": True} if steps else {"rates": 50, "tiles": 2}
+    stated = program("waterfall", "csdvs-3", "--threshold", 20, *words, *WORDS)
+    _same(amacrine.waterfall("csdvs-3", 20, **how, **HOW).to_dict(), _stated(stated))
+
+
+def test_waterfall_of_several_kernels(program: Program) -> None:
+    words = ("--threshold", "20,64", "--steps", *WORDS)
+    stated = _stated(program("waterfall", "csdvs-3", "sobel-x", *words))
+    falls = amacrine.waterfall(["csdvs-3", "sobel-x"], [20, 64], steps=True, **HOW)
+    for own, theirs in zip(falls, stated, strict=True):
+        assert own.memory
+        _same(own.to_dict(), theirs)
+
+
+def test_the_drawing_of_a_waterfall(program: Program, tmp_path: Path) -> None:
+    words = ("--threshold", "20,64", "--steps", "--kind", 1, "-o", tmp_path / "fall.svg")
+    program("waterfall", "csdvs-3", "sobel-x", *words, *WORDS)
+    falls = amacrine.waterfall(["csdvs-3", "sobel-x"], [20, 64], steps=True, **HOW)
+    assert falls[1].drawing == (tmp_path / "fall.svg").read_text()
+
+
+def test_defaults_are_those_of_the_command_line(program: Program) -> None:
+    """As its helps tell them."""
+    own = amacrine._amacrine
+    for verb, told in {
+        "trade": [
+            f"[default: {own.TRADE_WITHIN * 1e6:g}us]",
+            f"[default: {own.SAMPLE:.0%}]",
+            f"[default: {own.RUNS}]",
+            f"[default: {own.DOMAIN}]",
+        ],
+        "waterfall": [
+            f"[default: {own.TO}]",
+            f"[default: {own.CHIP}]",
+            f"[default: {own.DOMAIN}]",
+            f"[default: {own.WATERFALL_CHIPS}]",
+            f"[default: {own.EFFORT:g}]",
+        ],
+        "feasibility": [
+            f"[default: {','.join(own.CANDIDATES)}]",
+            f"[default: {own.FEASIBILITY_CHIPS}]",
+            "[default: {:g}..{:g}]".format(*own.LINK_PJ),
+        ],
+    }.items():
+        help = " ".join(program(verb, "--help").split())
+        for one in told:
+            assert one in help, verb
