@@ -37,6 +37,20 @@ _Waterfall = TypedDict(
         "steps": bool,
     },
 )
+_Trade = TypedDict(
+    "_Trade",
+    {
+        "upsample": float | None,
+        "formats": list[str] | None,
+        "within_us": int,
+        "sample": float,
+        "runs": int,
+        "verify": bool,
+        "seed": int,
+        "called": str,
+        "scale": str,
+    },
+)
 
 __version__: str
 ASSUMED_FPS: float
@@ -63,9 +77,6 @@ TRADE_WITHIN: float
 RUNS: int
 """What a trade runs of the sensor, the time in seconds within which an event is the same, and how many
 runs share what it took."""
-OF_SENSOR: tuple[str, ...]
-OF_PROGRAM: tuple[str, ...]
-"""Number formats that a trade tries where none are named."""
 
 class Error(ValueError):
     """What is wrong, in the words of the command line: what was given, what was expected, and
@@ -439,20 +450,6 @@ def waterfall(
     asked: _Waterfall, search: _Search, scene: _Shown
 ) -> list[tuple[str, str]]: ...
 def trade_program(
-    program: Program,
-    domain: str,
-    scene: _Shown,
-    formats: list[str],
-    sample: tuple[int, float, int],
-    how: tuple[bool, int],
-    called: tuple[str, str],
+    program: Program, domain: str, scene: _Shown, asked: _Trade
 ) -> tuple[str, str]: ...
-def trade(
-    sensor: Sensor,
-    scene: _Shown,
-    upsample: float | None,
-    formats: list[str],
-    sample: tuple[int, float, int],
-    how: tuple[bool, int],
-    called: tuple[str, str],
-) -> tuple[str, str]: ...
+def trade(sensor: Sensor, scene: _Shown, asked: _Trade) -> tuple[str, str]: ...

@@ -486,30 +486,35 @@ def trade(
             'help: give a Sensor, such as Sensor.from_file("rgc-4"), or a Program, such as '
             "chip.program"
         )
-    asked = (
-        micros("within", within) or 0,
-        arguments.number("sample", sample, PART),
-        whole("runs", runs, 1, MOST_RUNS),
-    )
     own = sensor._seed if isinstance(sensor, Sensor) else 0
-    how = flag("verify", verify), own if seed is None else whole("seed", seed)
+    drawn = own if seed is None else whole("seed", seed)
     light = shown(scene, fps, scale)
-    # As the caller writes it: the same frames, the same seed.
-    more = "" if scale is None else f", scale={float(scale)!r}"
-    if isinstance(sensor, Program):
-        if upsample is not None:
-            raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
-        full = DOMAIN if domain is None else word("domain", domain, "silicon")
-        numbers = names("formats", _amacrine.OF_PROGRAM if formats is None else formats)
-        called = "program", more
-        found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how, called)
-        return Answer.parse(found[0], drawing=found[1], rows="points")
-    if domain is not None:
+    is_program = isinstance(sensor, Program)
+    if is_program and upsample is not None:
+        raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
+    if not is_program and domain is not None:
         raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
-    contrast = arguments.contrast(upsample)
-    numbers = names("formats", _amacrine.OF_SENSOR if formats is None else formats)
-    called = ("sensor" if how[1] == own else f"sensor.with_seed({how[1]})"), more
-    found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how, called)
+    if is_program:
+        called = "program"
+    else:
+        called = "sensor" if drawn == own else f"sensor.with_seed({drawn})"
+    asked: _amacrine._Trade = {
+        "upsample": arguments.contrast(upsample),
+        "formats": None if formats is None else names("formats", formats),
+        "within_us": micros("within", within) or 0,
+        "sample": arguments.number("sample", sample, PART),
+        "runs": whole("runs", runs, 1, MOST_RUNS),
+        "verify": flag("verify", verify),
+        "seed": drawn,
+        # As the caller writes it: the same frames, the same seed.
+        "called": called,
+        "scale": "" if scale is None else f", scale={float(scale)!r}",
+    }
+    if isinstance(sensor, Program):
+        full = DOMAIN if domain is None else word("domain", domain, "silicon")
+        found = _amacrine.trade_program(sensor._native, full, light, asked)
+    else:
+        found = _amacrine.trade(sensor._native, light, asked)
     return Answer.parse(found[0], drawing=found[1], rows="points")
 
 

@@ -35,10 +35,7 @@ use amacrine::{
     compile::Effort,
     reference::MemoryRule,
     scene::{ASSUMED_FPS, Range, Transfer},
-    study::{
-        defaults,
-        trade::{OF_PROGRAM, OF_SENSOR},
-    },
+    study::defaults,
 };
 use numpy::PyArray1;
 use pyo3::{prelude::*, types::PyTuple, wrap_pyfunction};
@@ -63,8 +60,6 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
         ("RANGES", [&["auto"][..], Range::WORDS].concat()),
         ("TRANSFERS", [&["auto"][..], Transfer::WORDS].concat()),
         ("CANDIDATES", defaults::CANDIDATES.split(',').collect()),
-        ("OF_SENSOR", OF_SENSOR.to_vec()),
-        ("OF_PROGRAM", OF_PROGRAM.to_vec()),
     ] {
         module.add(name, PyTuple::new(py, words)?)?;
     }

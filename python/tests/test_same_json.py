@@ -70,6 +70,66 @@ def test_the_drawing_of_a_waterfall(program: Program, tmp_path: Path) -> None:
     assert falls[1].drawing == (tmp_path / "fall.svg").read_text()
 
 
+TIMED = {"seconds", "seconds_range", "planning_seconds", "planning", "command"}
+"""What of a model is measured by the clock, and what is typed to run it."""
+
+JUDGED = {"on_front", "beaten_by", "is_knee"}
+"""What hangs on that."""
+
+
+def _untimed(of: Any) -> Any:
+    if isinstance(of, list):
+        return [_untimed(one) for one in of]
+    if isinstance(of, dict):
+        left_out = TIMED | JUDGED
+        return {name: None if name in left_out else _untimed(one) for name, one in of.items()}
+    return of
+
+
+def _trades(own: dict[str, Any], stated: dict[str, Any], names: list[str]) -> None:
+    """Which models are tried together depends on seconds; each alone does not."""
+    timed = "points", "reading_seconds", "command", "knee"
+    assert list(own) and sorted(own) == sorted(stated)
+    _same(_without(own, *timed), _without(stated, *timed))
+    for name in names:
+        one, other = (
+            [_untimed(point) for point in of["points"] if point["name"] == name]
+            for of in (own, stated)
+        )
+        assert len(one) == 1
+        _same(one[0], other[0])
+
+
+GRATING = "pattern:grating?width=64&height=64&frames=20&fps=100"
+
+
+def test_trade(program: Program) -> None:
+    words = ("--scene", GRATING, "--sensor", "rgc", "--formats", "f32,f16", "--json")
+    stated = _stated(program("trade", *words))
+    sensor = amacrine.Sensor.from_file("rgc")
+    own = amacrine.trade(sensor, GRATING, formats=["f32", "f16"]).to_dict()
+    _trades(own, stated, ["the full model", "f32", "f16"])
+
+
+def test_trade_of_a_program(program: Program) -> None:
+    words = ("--scene", GRATING, "--program", "dvs/snap", "--formats", "f16", "--json")
+    stated = _stated(program("trade", *words))
+    snap = amacrine.Program.from_file("dvs/snap")
+    own = amacrine.trade(snap, GRATING, formats=["f16"]).to_dict()
+    _trades(own, stated, ["the full model", "f16"])
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+def test_a_trade_of_too_few_frames(program: Program, frames: int) -> None:
+    short = f"pattern:disc?width=24&height=20&frames={frames}&radius=6"
+    said = program("trade", "--scene", short, "--sensor", "rgc", good=False)
+    with pytest.raises(amacrine.Error) as wrong:
+        amacrine.trade(amacrine.Sensor.from_file("rgc"), short)
+    message, help = str(wrong.value).split("\nhelp: ")
+    for words in (message, help):
+        assert words in " ".join(said.replace("│", " ").split())
+
+
 def test_defaults_are_those_of_the_command_line(program: Program) -> None:
     """As its helps tell them."""
     own = amacrine._amacrine
