@@ -37,6 +37,16 @@ _Waterfall = TypedDict(
         "steps": bool,
     },
 )
+_OnChip = TypedDict(
+    "_OnChip",
+    {
+        "kernels": list[_Named],
+        "thresholds": list[float],
+        "to": list[str],
+        "memory": str | None,
+        "within_us": int | None,
+    },
+)
 _Trade = TypedDict(
     "_Trade",
     {
@@ -411,22 +421,7 @@ def compile_filter(
     search: _Search,
 ) -> tuple[str, list[tuple[str, float]]]: ...
 def quantise(of: list[_Named], to: list[str], sum_to: str, seed: int | None) -> str: ...
-def on_chip(
-    of: _Named,
-    to: list[str],
-    threshold: float,
-    search: _Search,
-    scene: _Shown,
-    within_us: int | None,
-) -> str: ...
-def on_chip_together(
-    of: list[_Named],
-    how: tuple[list[str], str | None],
-    thresholds: list[float],
-    search: _Search,
-    scene: _Shown,
-    within_us: int | None,
-) -> str: ...
+def on_chip(asked: _OnChip, search: _Search, scene: _Shown) -> str: ...
 def design(
     of: list[_Named],
     rate: float | None,

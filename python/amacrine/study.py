@@ -201,11 +201,19 @@ def quantise(
     search = _search(
         total, CHIP if chip is None else chip, EFFORT if effort is None else effort, drawn or 0
     )
-    how = search, shown(scene, fps, scale), micros("within", within)
+    text = _amacrine.on_chip(
+        {
+            "kernels": given,
+            "thresholds": limits,
+            "to": values,
+            "memory": of.memory,
+            "within_us": micros("within", within),
+        },
+        search,
+        shown(scene, fps, scale),
+    )
     if len(given) > 1:
-        text = _amacrine.on_chip_together(given, (values, of.memory), limits, *how)
         return told(Answer.parse(text, rows="together", show=_together))
-    text = _amacrine.on_chip(given[0], values, limits[0], *how)
     return told(Answer.parse(text, rows="chip.rows", show=_alone))
 
 

@@ -99,7 +99,6 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::compile_filter, module)?)?;
     module.add_function(wrap_pyfunction!(study::quantise, module)?)?;
     module.add_function(wrap_pyfunction!(study::on_chip, module)?)?;
-    module.add_function(wrap_pyfunction!(study::on_chip_together, module)?)?;
     module.add_function(wrap_pyfunction!(study::design, module)?)?;
     module.add_function(wrap_pyfunction!(study::feasibility, module)?)?;
     module.add_function(wrap_pyfunction!(study::waterfall, module)?)?;

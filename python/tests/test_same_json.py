@@ -130,6 +130,27 @@ def test_a_trade_of_too_few_frames(program: Program, frames: int) -> None:
         assert words in " ".join(said.replace("│", " ").split())
 
 
+def test_quantise(program: Program) -> None:
+    words = ("--to", "ternary,q3.4", "--threshold", 20, *WORDS)
+    stated = _stated(program("quantise", "csdvs-3", *words))
+    own = amacrine.quantise("csdvs-3", ["ternary", "q3.4"], thresholds=20, **HOW)
+    _same(own.to_dict(), stated)
+
+
+def test_quantise_of_several_kernels(program: Program) -> None:
+    words = ("--to", "ternary", "--threshold", "20,30", *WORDS)
+    stated = _stated(program("quantise", "dog,sobel-x", *words))
+    own = amacrine.quantise(["dog", "sobel-x"], "ternary", thresholds=[20, 30], **HOW)
+    _same(own.to_dict(), stated)
+
+
+def test_quantise_says_what_cannot_be(program: Program) -> None:
+    small = "q3.4"
+    kernel = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]]) / 300
+    with pytest.raises(amacrine.Error, match="the kernel cannot be q3.4: every weight becomes 0"):
+        amacrine.quantise(kernel, small, thresholds=20, **HOW)
+
+
 def test_defaults_are_those_of_the_command_line(program: Program) -> None:
     """As its helps tell them."""
     own = amacrine._amacrine

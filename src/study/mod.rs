@@ -15,6 +15,7 @@ pub mod front;
 pub mod joint;
 pub mod pilot;
 pub mod quantisation;
+pub mod quantised;
 pub mod rate;
 pub mod remade;
 pub mod report;
