@@ -151,6 +151,24 @@ def test_quantise_says_what_cannot_be(program: Program) -> None:
         amacrine.quantise(kernel, small, thresholds=20, **HOW)
 
 
+def test_feasibility(program: Program) -> None:
+    few = ("--to", "ternary", "--candidates", "ternary", "--chips", 1)
+    stated = _stated(program("feasibility", "csdvs-3", "--threshold", 20, *few, *WORDS))
+    how: Any = {"to": "ternary", "candidates": "ternary", "chips": 1}
+    own = amacrine.feasibility("csdvs-3", 20, **how, **HOW).to_dict()
+    # The command that gives the page again is typed.
+    _same(_without(own, "command"), _without(stated, "command"))
+
+
+def test_design(program: Program) -> None:
+    stated = _stated(program("design", "csdvs-3", "--rate", 2, "--to", "ternary", *WORDS))
+    own = amacrine.design("csdvs-3", rate=2, to="ternary", **HOW).to_dict()
+    # The command line writes files, and says which; Python has their texts.
+    for candidate in own["candidates"]:
+        del candidate["sensor"], candidate["program"]
+    _same(own, _without(stated, "written", "commands"))
+
+
 def test_defaults_are_those_of_the_command_line(program: Program) -> None:
     """As its helps tell them."""
     own = amacrine._amacrine

@@ -269,19 +269,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         written.write(&texts)?;
     }
     progress.finish();
-    let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
-    warnings.extend(found.doubts(&question, candidate)?);
-    light::warn_besides(&told.into_inner().unwrap_or_default(), &warnings);
+    let answer = found.answer(&question, picked, arguments.clip.name(), &observation)?;
+    light::warn_besides(&told.into_inner().unwrap_or_default(), &answer.warnings);
     let commands = written
         .as_ref()
         .map(|written| arguments.commands(written, found.frames));
     if arguments.json {
-        let mut json = json!(found);
-        json["picked"] = json!(picked);
-        json["scene"] = json!(arguments.clip.name());
-        json["chip"] = json!(device.name());
-        json["light"] = light::json(&observation);
-        json["warnings"] = json!(warnings);
+        let mut json = json!(answer);
         let written = written.as_ref().map(|it| it.all().map(Path::to_path_buf));
         json["written"] = json!(written);
         json["commands"] = json!(commands);
