@@ -169,6 +169,19 @@ def test_design(program: Program) -> None:
     _same(own, _without(stated, "written", "commands"))
 
 
+def test_compare(program: Program, tmp_path: Path) -> None:
+    events = np.zeros(40, amacrine.EVENT)
+    events["t"] = np.arange(40) * 1000
+    events["x"], events["y"], events["p"] = events["t"] % 7, events["t"] % 5, 1
+    judged = events[5:].copy()
+    judged["t"] += 3
+    files = tmp_path / "a.npy", tmp_path / "b.npy"
+    for file, of in zip(files, (events, judged), strict=True):
+        amacrine.write(file, of, size=(8, 8))
+    stated = _stated(program("compare", *files, "--fps", 100, "--json"))
+    _same(amacrine.compare(*files, fps=100).to_dict(), stated)
+
+
 def test_defaults_are_those_of_the_command_line(program: Program) -> None:
     """As its helps tell them."""
     own = amacrine._amacrine

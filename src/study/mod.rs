@@ -3,6 +3,7 @@
 pub mod all_events;
 pub mod balance;
 pub mod cells;
+pub mod comparison;
 pub mod defaults;
 pub mod design;
 pub mod equivalent;
@@ -27,7 +28,7 @@ pub mod sweep;
 pub mod together;
 pub mod trade;
 pub mod waterfall;
+mod with_light;
 
 pub use error::StudyError;
-mod with_light;
 pub use with_light::WithLight;
