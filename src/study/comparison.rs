@@ -67,10 +67,6 @@ pub enum ComparisonError {
 /// The answer.
 #[derive(Serialize)]
 pub struct Answer<'a> {
-    /// The reference.
-    pub reference: Side<'a>,
-    /// What is judged against it.
-    pub judged: Side<'a>,
     /// What a comparison begins with.
     pub headline: Headline,
     /// F1 within every window.
@@ -80,6 +76,10 @@ pub struct Answer<'a> {
     pub comparison: Comparison,
     /// Every metric.
     pub ruler: Ruler,
+    /// The reference.
+    pub reference: Side<'a>,
+    /// What is judged against it.
+    pub judged: Side<'a>,
     /// What makes these figures mean something else than they seem to.
     pub warnings: Vec<Warning>,
 }
