@@ -364,7 +364,8 @@ def test_a_design_warns_as_the_command_line(program: Callable[..., str]) -> None
     assert [one["about"] for one in stated["warnings"]] == ["window", "few-events"]
     for own, theirs in zip(answer.to_dict()["warnings"], stated["warnings"], strict=True):
         # What is to change is called as arguments are.
-        assert own == theirs | {"change": theirs["change"].replace("--within", "within")}
+        change = theirs["change"].replace("--within, in a study `within`", "within")
+        assert own == theirs | {"change": change}
     assert {Path(one.filename).name for one in said} == {"test_study.py"}
 
 

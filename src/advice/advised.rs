@@ -9,7 +9,7 @@ pub struct Advised {
     pub python: InPython,
     /// How a study says it.
     pub study: InStudy,
-    /// Words around it, and what Python says instead of all of them: the longer ones first.
+    /// Words around it, and what Python says instead of all of them.
     pub phrases: &'static [(&'static str, &'static str)],
 }
 

@@ -1,6 +1,7 @@
 //! Messages in the words of Python.
 
 use super::{InPython, OPTIONS, is_command};
+use crate::order::Order as _;
 
 /// What a message of too much memory ends with: Python has no such argument.
 const MORE_MEMORY: &str = ", or allow more with --max-memory";
@@ -14,7 +15,12 @@ pub fn in_python(text: &str) -> String {
         let end = text[at..].find('\n').map_or(text.len(), |line| at + line);
         text.replace_range(at..end, "");
     }
-    for (option, argument) in OPTIONS.iter().flat_map(|advised| advised.phrases) {
+    // A phrase may stand in a longer one.
+    let mut phrases: Vec<_> = { OPTIONS.iter() }
+        .flat_map(|advised| advised.phrases)
+        .collect();
+    phrases.order_by(|(a, _), (b, _)| b.len().cmp(&a.len()));
+    for (option, argument) in phrases {
         text = text.replace(option, argument);
     }
     let parts = text.split('`').enumerate().map(|(n, part)| {
