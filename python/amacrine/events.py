@@ -413,7 +413,8 @@ def time_surfaces(
     size: tuple[int, int] | None = None,
     channels: int | None = None,
 ) -> npt.NDArray[np.float32]:
-    """How long ago each cell fired: 1 for just then, 0 for never.
+    """How long ago each cell fired: 1 for just then, 0 for never. ``amacrine voxels --as surfaces`` writes
+    them of a file of any length.
 
     Args:
         events: A structured array, as for :func:`voxels`.
@@ -455,7 +456,8 @@ def event_frames(
     size: tuple[int, int] | None = None,
     channels: int | None = None,
 ) -> npt.NDArray[np.int32]:
-    """Pictures of ``count`` events each, in the order of their times; the last has what is left.
+    """Pictures of ``count`` events each, in the order of their times; the last has what is left, as
+    ``amacrine voxels --as frames`` writes them of a file of any length.
     For pictures of equal times take :func:`voxels` with ``bins=1, share="whole"``.
 
     Args:
