@@ -50,11 +50,12 @@ impl Compiled {
         };
         let results = self.results.iter().map(|i| json!([i.low, i.high]));
         let exact_within: Vec<f64> = self.filters.iter().map(|f| f.exact_within).collect();
+        let bounds = self.bounds(asked, device);
         let decided: Vec<Option<Decided>> = self.filters.iter().map(kept).collect();
         let on_chip = { self.thresholds.iter() }.map(|lsb| held(*lsb, device));
         let on_chip: Vec<[f64; 2]> = on_chip.collect();
         let energy = self.energy(device);
-        json!({
+        let mut said = json!({
             "chip": device.name(),
             "words": cost.words.0,
             "macros": self.statements(),
@@ -66,7 +67,7 @@ impl Compiled {
             "quantised_scales": asked.scales,
             "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
-            "bounds": self.bounds(asked, device).map(|bounds| bounds.json()),
+            "bounds": bounds.as_ref().ok().map(Bounds::json),
             "filter_words": self.filter.word_count(device),
             "snake_words": self.snake,
             "border": self.wrong_within(device) == 0,
@@ -101,7 +102,10 @@ impl Compiled {
             "memory": self.memory.map(|memory| self.remembered(memory, device)),
             "carried": self.memory.map(|memory| self.carried(memory, device)),
             "text": self.text,
-        })
+        });
+        // The macro takes no more keys.
+        said["no_bounds"] = json!(bounds.err());
+        said
     }
 
     /// What to know of each kind: what the table says on its way, and what is warned of.
@@ -220,16 +224,18 @@ impl Compiled {
         time::of_array(&self.expansion.code.frame, device).ok()
     }
 
-    /// Between which numbers the fewest words lie; none where the input is halved, as the bounds are
-    /// of the kernels themselves, and where each kernel has a filter of its own.
-    fn bounds(&self, asked: &Asked, device: &Device) -> Option<Bounds> {
-        let lower = || LowerBound::on(&asked.kernels, device);
-        let together = self.memory != Some(DriveMemory::Shared);
-        (together && self.filter.prescale == 0).then(|| Bounds {
-            lower: lower(),
+    /// Between which numbers the fewest words lie; or why nobody says so.
+    fn bounds(&self, asked: &Asked, device: &Device) -> Result<Bounds, &'static str> {
+        if self.filters.len() > 1 {
+            return Err("each kind has a filter of its own, and bounds are of one filter");
+        }
+        let halvings = self.filter.prescale;
+        Ok(Bounds {
+            lower: LowerBound::on(&asked.kernels, halvings, device),
             stores: self.filter.words.len(),
             each: device.row(PrimitiveKind::Bus).words(),
             kernels: asked.kernels.len(),
+            halvings,
             searched: asked.objective == Aim::Words,
         })
     }
@@ -264,9 +270,11 @@ impl Compiled {
                 self.snake
             ),
         );
-        if let Some(bounds) = self.bounds(asked, device) {
-            line("bound", bounds.words());
-        }
+        let bounds = self.bounds(asked, device);
+        line(
+            "bound",
+            bounds.map_or_else(|why| format!("none: {why}"), |bounds| bounds.words()),
+        );
         let room = device.value(Figure::Store);
         line(
             "store",
