@@ -314,6 +314,14 @@ def event_frames(
     polarity: str,
     fill: str,
 ) -> tuple[npt.NDArray[np.int32], tuple[int, int, int]]: ...
+def register_picture(values: npt.NDArray[np.float64], low: float, high: float) -> bytes: ...
+def event_picture(
+    events: Events,
+    size: tuple[int, int],
+    channels: int,
+    span: tuple[int, int] | None,
+    title: str,
+) -> bytes: ...
 def uniform(seed: int, words: list[int]) -> float: ...
 def sweep(
     study: tuple[str, str, _Path],

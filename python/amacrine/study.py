@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -93,6 +94,10 @@ class QuantisedList(list[Any]):
     def _repr_html_(self) -> str:
         drawn = ((f"{one.name}, {one.to}", one.levels) for one in self._all())
         return notebook.table([one._row() for one in self._all()]) + notebook.planes(drawn)
+
+    def to_frame(self) -> Any:
+        """Its table as a pandas data frame, a row for each quantised kernel. Needs pandas."""
+        return importlib.import_module("pandas").DataFrame([one._row() for one in self._all()])
 
 
 @overload
@@ -341,6 +346,14 @@ class Waterfalls(list[Answer]):
 
     def _repr_html_(self) -> str:
         return "".join(one._repr_html_() or "" for one in self)
+
+    def to_frame(self, key: str | None = None) -> Any:
+        """The tables of :meth:`Answer.to_frame` of all of them as one pandas data frame, with the
+        kernel's name in the column ``kernel``. Needs pandas."""
+        each = [one.to_frame(key) for one in self]
+        for one, frame in zip(self, each):
+            frame.insert(0, "kernel", one.name)
+        return importlib.import_module("pandas").concat(each, ignore_index=True)
 
 
 @arguments.renamed(threshold="thresholds")

@@ -16,6 +16,7 @@ mod frames;
 mod gradient;
 mod names;
 mod options;
+mod picture;
 mod pool;
 mod program;
 mod readout;
@@ -106,5 +107,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tensor::surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::event_frames, module)?)?;
     module.add_function(wrap_pyfunction!(chance::uniform, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::register_picture, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::event_picture, module)?)?;
     Ok(())
 }

@@ -531,6 +531,11 @@ def test_a_notebook_shows_the_first_events() -> None:
     for n, name in enumerate(["one&lt;", "other"]):
         of = seen["p"][seen["channel"] == n]
         assert f"<td>{name}</td><td>{(of == 1).sum()}</td><td>{(of == 0).sum()}</td>" in shown
+    # A picture of the busiest moment, where it can be drawn.
+    figure = '<figure style="margin: 0"><img src="data:image/png;base64,'
+    assert figure in shown and figure in str(seen[:3]._repr_html_())
+    for none in (seen[:0], seen[::-1], amacrine.events.named(given, None, (2, 2))):
+        assert figure not in str(none._repr_html_())
     # Without what is known of a sensor, and with nothing at all.
     plain = amacrine.events.named(given, None, None)
     shown = plain._repr_html_()

@@ -85,6 +85,10 @@ def test_quantised_kernels_are_a_list_and_a_table() -> None:
     assert shown.count("<td>kernel 1</td>") == 2
     # Nobody reads a table of 17 columns.
     assert shown.count("<table>") == 3 and "2 kernels are not drawn" in shown
+    pandas = pytest.importorskip("pandas")
+    frame = table.to_frame()
+    assert isinstance(frame, pandas.DataFrame) and len(frame) == 4
+    assert frame["scale"].tolist() == [one.scale for few in table for one in few]
     again = pickle.loads(pickle.dumps(alone))
     assert again._repr_html_() == alone._repr_html_()
     assert amacrine.quantise(two, "ternary")._repr_html_().count("<td>ternary</td>") == 2
@@ -407,6 +411,10 @@ def test_a_waterfall_of_several_kernels(program: Callable[..., str]) -> None:
         assert own.to_dict()["steps"] == its["steps"] and own.kept == its["kept"]
         assert own.memory and str(own.drawing).startswith("<svg")
     assert all._repr_html_().count("<svg") == 2
+    pytest.importorskip("pandas")
+    frame = all.to_frame()
+    assert len(frame) == sum(len(own.steps) for own in all)
+    assert list(dict.fromkeys(frame["kernel"])) == ["csdvs-3", "sobel-x"]
 
 
 def test_a_waterfall_behind_a_readout(program: Callable[..., str]) -> None:
