@@ -240,6 +240,11 @@ impl Compiled {
         })
     }
 
+    fn bound_line(&self, asked: &Asked, device: &Device) -> String {
+        let bounds = self.bounds(asked, device);
+        bounds.map_or_else(|why| format!("none: {why}"), |bounds| bounds.words())
+    }
+
     /// What the words of a frame take.
     fn energy(&self, device: &Device) -> Estimate {
         words_energy(&self.expansion.code.frame, device)
@@ -270,11 +275,7 @@ impl Compiled {
                 self.snake
             ),
         );
-        let bounds = self.bounds(asked, device);
-        line(
-            "bound",
-            bounds.map_or_else(|why| format!("none: {why}"), |bounds| bounds.words()),
-        );
+        line("bound", self.bound_line(asked, device));
         let room = device.value(Figure::Store);
         line(
             "store",
