@@ -51,6 +51,12 @@ fn main() -> io::Result<()> {
     println!("cargo::rustc-env=AMACRINE_COMPILER={compiler}");
     let target = env::var("TARGET").unwrap_or_default();
     println!("cargo::rustc-env=AMACRINE_TARGET={target}");
+    // Vendor code may nest as deep as Linux's stack has room for; Windows gives an eighth of it.
+    if target.contains("windows-msvc") {
+        println!("cargo::rustc-link-arg-bins=/STACK:8388608");
+    } else if target.contains("windows-gnu") {
+        println!("cargo::rustc-link-arg-bins=-Wl,--stack,8388608");
+    }
     let chips = chips(&root.join("isa"))?;
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     fs::write(out.join("chips.rs"), chips)?;

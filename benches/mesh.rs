@@ -96,9 +96,40 @@ fn main() {
         );
     }
 
+    against_powers_of_two(budget, if quick { 3 } else { 9 });
     unequal_parts(budget);
     euler(budget);
     silicon();
+}
+
+/// What a pixel of a sensor costs whose sides are no powers of two, as a multiple of 256x256, in
+/// pairs of measurements.
+fn against_powers_of_two(budget: f64, times: usize) {
+    println!("\n346x260 for each pixel, times 256x256 (median of {times} pairs, and spread):");
+    let (odd, even) = (Size::new(260, 346), Size::new(256, 256));
+    let pixels = odd.pixels() as f64 / even.pixels() as f64;
+    let budget = budget / 4.0;
+    let each = |name: &str, of: &dyn Fn(Size) -> f64| {
+        let ratios = (0..times).map(|_| of(odd) / of(even) / pixels);
+        let ratio = Timed::from_seconds(ratios.collect());
+        println!(
+            "  {name:<11} {:>5.2} {:>5}",
+            ratio.median,
+            ratio.plus_minus()
+        );
+    };
+    each("steady f64", &|size| {
+        measured::<f64>(size, budget).steady.median
+    });
+    each("steady f32", &|size| {
+        measured::<f32>(size, budget).steady.median
+    });
+    each("frame f64", &|size| {
+        measured::<f64>(size, budget).flow.median
+    });
+    each("frame f32", &|size| {
+        measured::<f32>(size, budget).flow.median
+    });
 }
 
 fn unequal_parts(budget: f64) {

@@ -197,17 +197,20 @@ fn sensor(kinds: usize, more: &str) -> String {
     described(kinds, "\"csdvs-5\"", more)
 }
 
-/// One channel of a 5x5 kernel of which no two weights are equal, much like that.
-fn uneven_sensor() -> String {
+/// One channel of a square kernel of which no two weights are equal, much like that.
+fn uneven_sensor(side: usize) -> String {
+    let middle = side * side / 2;
     let weight = |k: usize| {
-        let centre = if k == 12 { 1.0 } else { 0.0 };
-        centre - (1.0 + (k as f64 - 12.0) * 1e-3) / 24.0
+        let centre = if k == middle { 1.0 } else { 0.0 };
+        centre - (1.0 + (k as f64 - middle as f64) * 1e-3) / (2 * middle) as f64
     };
     let row = |y: usize| {
-        let weights: Vec<_> = (0..5).map(|x| weight(5 * y + x).to_string()).collect();
+        let weights: Vec<_> = (0..side)
+            .map(|x| weight(side * y + x).to_string())
+            .collect();
         format!("[{}]", weights.join(", "))
     };
-    let rows: Vec<_> = (0..5).map(row).collect();
+    let rows: Vec<_> = (0..side).map(row).collect();
     described(1, &format!("[{}]", rows.join(", ")), "")
 }
 
@@ -231,35 +234,94 @@ const REFRACTORY: [(&str, &str); 2] = [
     ),
 ];
 
-/// What rests and kinds cost, as multiples of what a plain list of one kind does.
+/// Prints a ratio.
+fn say(name: &str, ask: Ask, ratio: Timed, of: &str) {
+    println!(
+        "{name:<16} {:>7} {:>6.2} {:>5} times {of}",
+        ask.name(),
+        ratio.median,
+        ratio.plus_minus()
+    );
+}
+
+/// What rests, kinds, formats, sizes and kernels cost, as multiples of what is plainer.
 fn ratios(bench: &Bench, clip: &mut Clip, quick: bool) {
     let times = if quick { 3 } else { 9 };
     println!(
         "\nRatios, f32, one thread, pairs of measurements\n\n{}",
         clip.size
     );
-    let clip = std::cell::RefCell::new(clip);
-    let time = |text: &str, ask| bench.line(F32, text, &mut clip.borrow_mut(), ask, 1);
+    let shared = std::cell::RefCell::new(&mut *clip);
+    let time = |text: &str, ask| bench.line(F32, text, &mut shared.borrow_mut(), ask, 1);
     for (name, more) in REFRACTORY {
         for ask in [Ask::List, Ask::Counts] {
-            let ratio = ratio(
-                times,
-                || time(&sensor(1, more), ask),
-                || time(&sensor(1, ""), ask),
-            );
-            println!(
-                "{name:<16} {:>7} {:>6.2} {:>5} times a plain one",
-                ask.name(),
-                ratio.median,
-                ratio.plus_minus()
-            );
+            let resting = || time(&sensor(1, more), ask);
+            let ratio = ratio(times, resting, || time(&sensor(1, ""), ask));
+            say(name, ask, ratio, "a plain one");
         }
     }
-    let clip = clip.into_inner();
+    of_formats(bench, clip, times);
+    of_kernels(bench, clip, times);
     of_kinds(bench, clip, times);
-    if !quick {
-        // There one kind's state does not stay in the cache either.
-        of_kinds(bench, &mut Clip::new(SIZES[3]), times);
+    if quick {
+        return;
+    }
+    // There one kind's state does not stay in the cache either.
+    of_kinds(bench, &mut Clip::new(SIZES[3]), times);
+    of_size(bench, clip, times);
+}
+
+/// What number formats cost, as multiples of f32.
+fn of_formats(bench: &Bench, clip: &mut Clip, times: usize) {
+    println!("\n{}, formats", clip.size);
+    let text = sensor(1, "");
+    let clip = std::cell::RefCell::new(clip);
+    for ask in [Ask::List, Ask::Counts] {
+        let plain = || bench.line(F32, &text, &mut clip.borrow_mut(), ask, 1);
+        macro_rules! formats {
+            ($($number:expr),*) => {$({
+                let number = $number;
+                let other = || bench.line(number, &text, &mut clip.borrow_mut(), ask, 1);
+                let name = number.format().to_string();
+                say(&name, ask, ratio(times, other, plain), "f32");
+            })*};
+        }
+        formats!(F64, F16, Bf16, Q::<i16>::new(12), Q::<i32>::new(16));
+    }
+}
+
+/// What larger kernels cost, as multiples of 5x5; no two of their weights are equal.
+fn of_kernels(bench: &Bench, clip: &mut Clip, times: usize) {
+    println!("\n{}, kernels without equal weights", clip.size);
+    let clip = std::cell::RefCell::new(clip);
+    for side in [7, 9, 11, 13, 15] {
+        let time = |side| {
+            let text = uneven_sensor(side);
+            bench.line(F32, &text, &mut clip.borrow_mut(), Ask::Counts, 1)
+        };
+        let ratio = ratio(times, || time(side), || time(5));
+        let weights = (side * side) as f64 / 25.0;
+        let of = format!("5x5, for {weights:.2} times the weights");
+        say(&format!("{side}x{side}"), Ask::Counts, ratio, &of);
+    }
+}
+
+/// What a pixel of a large sensor costs, as a multiple of one of a small sensor.
+fn of_size(bench: &Bench, small: &mut Clip, times: usize) {
+    const LARGE: Size = Size::new(2048, 2048);
+    println!("\n{LARGE}, for each pixel");
+    let text = sensor(1, "");
+    let mut large = Clip::new(LARGE);
+    let pixels = (LARGE.pixels() / small.size.pixels()) as f64;
+    for ask in Ask::ALL {
+        let ratio = ratio(
+            times,
+            || bench.line(F32, &text, &mut large, ask, 1),
+            || bench.line(F32, &text, small, ask, 1),
+        );
+        let median = ratio.median / pixels;
+        let of = small.size.to_string();
+        say("", ask, Timed { median, ..ratio }, &of);
     }
 }
 
@@ -272,12 +334,7 @@ fn of_kinds(bench: &Bench, clip: &mut Clip, times: usize) {
         for ask in Ask::ALL {
             let time = |kinds| bench.line(F32, &sensor(kinds, ""), &mut clip.borrow_mut(), ask, 1);
             let ratio = ratio(times, || time(kinds), || time(1));
-            println!(
-                "{kinds:>2} kinds {:>15} {:>6.2} {:>5} times one kind",
-                ask.name(),
-                ratio.median,
-                ratio.plus_minus()
-            );
+            say(&format!("{kinds} kinds"), ask, ratio, "one kind");
         }
     }
 }
@@ -342,7 +399,7 @@ fn main() {
         bench.show(&Line { label, ..line });
     }
     for ask in Ask::ALL {
-        let line = bench.line(F32, &uneven_sensor(), &mut clip, ask, 1);
+        let line = bench.line(F32, &uneven_sensor(5), &mut clip, ask, 1);
         bench.show(&Line {
             label: "f32 25 weights".to_owned(),
             ..line

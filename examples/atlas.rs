@@ -108,8 +108,7 @@ impl Row {
             request.effort = Effort::states(states);
             request.objective = objective;
             let filter = request.filter()?;
-            let registers = (request.input, &request.into[..]);
-            let said = filter.best_forecast(&device, registers, &kernels);
+            let said = filter.best_forecast(&device, &kernels);
             let correlation = said.first().map_or(0.0, |it| it.correlation);
             Ok::<_, Box<dyn Error>>((filter.words.len(), correlation))
         };

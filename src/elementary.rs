@@ -48,6 +48,22 @@ pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
+/// `x` to the power of a whole number, by squaring: some systems' `f64::powi` is their `pow`.
+#[must_use]
+pub fn powi(x: f64, n: u32) -> f64 {
+    let (mut power, mut square, mut left) = (1.0, x, n);
+    loop {
+        if left % 2 == 1 {
+            power *= square;
+        }
+        left /= 2;
+        if left == 0 {
+            return power;
+        }
+        square *= square;
+    }
+}
+
 /// The sine of an angle in radians.
 #[must_use]
 pub fn sin(x: f64) -> f64 {

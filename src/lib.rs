@@ -62,6 +62,7 @@
 #![warn(clippy::disallowed_methods)]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+pub mod advice;
 mod aligned;
 pub mod bits;
 pub mod bundled;

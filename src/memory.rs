@@ -5,7 +5,7 @@
 
 use crate::order::Order;
 
-use std::{fmt, fs, path::Path, str::FromStr};
+use std::{fmt, fs, str::FromStr};
 
 /// Bytes where the system does not say what it has: 4 GiB.
 const ASSUMED: u64 = 4 << 30;
@@ -62,20 +62,34 @@ impl Budget {
     /// where that is less; of 4 GiB where the system says neither.
     #[must_use]
     pub fn from_machine() -> Self {
-        let read = |path: &str| fs::read_to_string(Path::new(path)).ok();
-        let machine = read("/proc/meminfo").and_then(|text| of_system(&text, "MemTotal:"));
-        let groups = read("/proc/self/cgroup").unwrap_or_default();
-        let group = limits(&groups)
-            .iter()
-            .filter_map(|path| read(path)?.trim().parse().ok())
-            .min();
-        let (bytes, by) = match machine.into_iter().chain(group).min() {
+        let (bytes, by) = match of_machine() {
             Some(bytes) => (bytes, Origin::Machine),
             None => (ASSUMED, Origin::Assumed),
         };
         let bytes = bytes - bytes / 4;
         Self { bytes, by }
     }
+}
+
+/// What the machine has, or this process's control group may take where that is less.
+#[cfg(target_os = "linux")]
+fn of_machine() -> Option<u64> {
+    let read = |path: &str| fs::read_to_string(path).ok();
+    let machine = read("/proc/meminfo").and_then(|text| of_system(&text, "MemTotal:"));
+    let groups = read("/proc/self/cgroup").unwrap_or_default();
+    let group = limits(&groups)
+        .iter()
+        .filter_map(|path| read(path)?.trim().parse().ok())
+        .min();
+    machine.into_iter().chain(group).min()
+}
+
+/// What the machine has.
+#[cfg(not(target_os = "linux"))]
+fn of_machine() -> Option<u64> {
+    let mut system = sysinfo::System::new().ok()?;
+    system.refresh_memory();
+    Some(system.total_memory()).filter(|&bytes| bytes > 0)
 }
 
 /// The most bytes that this process has held at once, where the system says so.
@@ -93,6 +107,7 @@ fn of_system(text: &str, name: &str) -> Option<u64> {
 
 /// Where the limits of this process's control groups stand, by what `/proc/self/cgroup` says:
 /// its own and those above it, of version 2, and what containers see of version 1.
+#[cfg(any(target_os = "linux", test))]
 fn limits(groups: &str) -> Vec<String> {
     let mut files = vec![
         "/sys/fs/cgroup/memory.max".to_owned(),

@@ -279,12 +279,9 @@ impl Response {
     /// As a file states it; a rounding that no file may have is refused when it is read.
     #[must_use]
     pub fn text(self) -> String {
-        let round = if self.round_f32 {
-            ", round = \"f32\""
-        } else {
-            ""
-        };
-        match self.curve {
+        let Self { curve, round_f32 } = self;
+        let round = if round_f32 { ", round = \"f32\"" } else { "" };
+        match curve {
             Curve::Identity => "\"identity\"".to_owned(),
             Curve::Linear { white } if round.is_empty() => format!("{{ linear = {white:?} }}"),
             Curve::Linear { white } => format!("{{ linear = {{ white = {white:?}{round} }} }}"),

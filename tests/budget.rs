@@ -697,6 +697,14 @@ fn voxels_hold_the_windows_that_overlap() {
         // The program alone takes about 20 MiB.
         assert!(ran.peak < 60 << 10, "{name}: {} KiB", ran.peak);
     }
+    // 381 surfaces of 0.6 MB.
+    let path = folder.path("s.npy").display().to_string();
+    let arguments = ["voxels", &events, "--size", "320x240", "-o", &path];
+    let how = ["--as", "surfaces", "--every", "5ms", "--tau", "20ms"];
+    let ran = amacrine(&[&arguments[..], &how].concat(), PATIENCE);
+    assert_eq!(ran.code, Some(0), "{}", ran.errors);
+    assert!(ran.out.contains("(381, 1, 2, 240, 320)"), "{}", ran.out);
+    assert!(ran.peak < 60 << 10, "{} KiB", ran.peak);
 }
 
 #[test]

@@ -6,7 +6,10 @@ mod common;
 use std::fs;
 
 use amacrine::{
-    event::{Event, Packet, Polarity, file},
+    event::{
+        Event, Packet, Polarity, file,
+        tensor::{Fill, Sides, TimeSurface, frames},
+    },
     plane::Size,
     unit::Micros,
 };
@@ -636,4 +639,56 @@ fn the_first_window_is_where_it_is_told_to_be() {
         let sum = array.index_axis(ndarray::Axis(0), 0).sum();
         assert_eq!(sum, own.count() as f32, "{more:?}");
     }
+}
+
+/// Surfaces and frames of a recording of several blocks that begins late, against the library's of
+/// the whole packet; what a frame of 16 bits does not hold.
+#[test]
+fn surfaces_and_frames_are_those_of_the_whole_packet() {
+    const LATE: u64 = 5_000_000;
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let mut packet = Packet::new(Size::new(4, 5), 1);
+    packet.events = (0..100_000_u64)
+        .map(|n| Event {
+            t: Micros(LATE + n * n / 50_000),
+            x: (n * 7 % 5) as u16,
+            y: (n * 11 % 4) as u16,
+            polarity: Polarity::of(n % 3 == 0),
+            channel: 0,
+        })
+        .collect();
+    let end = packet.events.last().unwrap().t;
+    packet.span = (Micros(LATE), end);
+    file::write(&folder.join("e.npy"), &packet).unwrap();
+    let read = || -> ndarray::ArrayD<f32> { ndarray_npy::read_npy(folder.join("a.npy")).unwrap() };
+
+    let made = ["voxels", "e.npy", "-o", "a.npy", "--json"];
+    let asked = ["--as", "surfaces", "--every", "7ms", "--tau", "20ms"];
+    let said = json(folder, &[&made[..], &asked].concat());
+    // The last multiple of 7 ms before it, and one step on.
+    let first = LATE / 7000 * 7000 + 7000;
+    let times: Vec<Micros> = (0..=(end.0 - first).div_ceil(7000))
+        .map(|n| Micros(first + n * 7000))
+        .collect();
+    let mut how = TimeSurface::new(0.02).unwrap();
+    how.sides = Sides::Split;
+    assert_eq!(said["first_us"], first);
+    assert_eq!(said["shape"], serde_json::json!([times.len(), 1, 2, 4, 5]));
+    let got = read().into_raw_vec_and_offset().0;
+    assert_eq!(got, how.of(&packet, &times).unwrap());
+
+    let asked = ["--as", "frames", "--count", "30000"];
+    let said = json(folder, &[&made[..], &asked].concat());
+    assert_eq!(said["events_left_over"], 10_000);
+    assert_eq!(said["shape"], serde_json::json!([4, 1, 1, 4, 5]));
+    let want = frames(&packet, 30_000, Sides::Signed, Fill::Count).unwrap();
+    let got = read().into_raw_vec_and_offset().0;
+    assert!(got.iter().map(|n| *n as i32).eq(want));
+    let asked = ["--as", "frames", "--count", "100000", "--polarity", "split"];
+    refused(
+        folder,
+        &[&made[..], &asked, &["--half"]].concat(),
+        &["a pixel of a frame has", "up to 2048", "leave --half out"],
+    );
 }

@@ -16,8 +16,9 @@ use amacrine::{
     },
     scene::bundled,
     study::{
+        defaults::CANDIDATES,
         design::Design,
-        feasibility::{CANDIDATES, Question},
+        feasibility::Question,
         quantisation::{self, Outcome, Row},
     },
     unit::Micros,

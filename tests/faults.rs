@@ -285,6 +285,16 @@ fn standard_output_fails_for_every_verb() {
     }
 }
 
+#[test]
+fn a_file_system_that_syncs_nothing_is_written_to() {
+    let bench = Bench::new();
+    let case = CASES.iter().find(|case| case.verb() == "sweep").unwrap();
+    let ran = bench.run(case, false, &[("SHIM_NOSYNC", "1")]);
+    assert!(ran.operations.iter().any(|o| o.name == "sync"));
+    assert_eq!(ran.said.status.code(), Some(0), "{}", message(&ran.said));
+    assert!(case.writes().all(|name| ran.left.contains_key(name)));
+}
+
 /// The disk of a machine that can lose its power: what has been written, and what of it would
 /// still be there.
 #[derive(Clone, Default)]

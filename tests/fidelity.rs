@@ -12,11 +12,11 @@ use amacrine::{
     mosaic::Mosaic,
     number::Format,
     plane::{At, Plane},
-    reference::{Description, Limit},
+    reference::{Description, Effect, Limit},
     rng::Hash,
     scene::{Frame, OpenOptions, Scene, held::Held, kept::Kept, open},
     study::pilot::{
-        Change, ChangeEstimate, Choice, Effect, Family, Floats, Grid, History, Look, Model, Plan,
+        Change, ChangeEstimate, Choice, Family, Floats, Grid, History, Look, Model, Plan,
         PlanError, Question, change, draw,
         plan::{BUDGET, plan},
         rule,

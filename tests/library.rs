@@ -504,6 +504,7 @@ fn files_of_layers_and_arrays_hold_what_their_header_says() {
         ("a.h5", Container::Hdf5),
     ] {
         let layers = Layers {
+            name: "voxels",
             shape: vec![2, 3],
             precision: Precision::Single,
             kinds: Vec::new(),

@@ -139,6 +139,32 @@ fn the_schema_beside_it_holds_and_the_comments_are_keys() {
     }
 }
 
+/// A new chip names its schema, which stands beside its file; what is offered in comments holds, too.
+#[test]
+fn a_new_chip_has_its_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, more) in [("plain", &[][..]), ("other", &["--from", "scamp5"])] {
+        good(folder.path(), &[&["new", "chip", name], more].concat());
+        let read = |file: &str| fs::read_to_string(folder.path().join(name).join(file)).unwrap();
+        let text = read("device.toml");
+        assert!(text.starts_with("#:schema ./chip.schema.json\n"), "{text}");
+        let schema = serde_json::from_str(&read("chip.schema.json")).unwrap();
+        let with = text.replace("\n# [", "\n[");
+        let with = with.replace("\n# analogue", "\nanalogue");
+        let with = with.replace("\n# height", "\nheight");
+        let with = with.replace("\n# width", "\nwidth");
+        for text in [&text, &with] {
+            let file: toml::Table = text.parse().unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let file = serde_json::to_value(file).unwrap();
+            let wrong = jsonschema::validate(&schema, &file);
+            assert!(wrong.is_ok(), "{wrong:?}\n{text}");
+        }
+        let wrong = with.replacen("title", "tilte", 1).parse::<toml::Table>();
+        let wrong = serde_json::to_value(wrong.unwrap()).unwrap();
+        assert!(jsonschema::validate(&schema, &wrong).is_err());
+    }
+}
+
 /// A file without a key, whose value may take several lines.
 fn without(text: &str, key: &str) -> String {
     let at = text.find(&format!("\n{key} = ")).unwrap();

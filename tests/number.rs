@@ -2,7 +2,7 @@
 //! overflow does as it says: against slow twins (a search through all halves by exact
 //! midpoints; rationals in 128-bit integers) and against the `fixed` crate.
 
-use amacrine::number::{Bf16, F16, Format, FormatError, Number, Overflow, Q, Width};
+use amacrine::number::{Bf16, F16, Format, FormatError, Number, Overflow, Q, Visitor, Width};
 use half::{bf16, f16};
 use proptest::prelude::*;
 
@@ -274,4 +274,73 @@ fn names_round_trip_and_unknown_ones_list_the_known() {
         "q8.9".parse::<Format>(),
         Err(FormatError::Width { bits: 17, .. })
     ));
+}
+
+/// A name that a kind of format lacks would be empty.
+#[test]
+fn each_kind_of_format_has_a_name() {
+    let mut floats: Vec<Format> = Format::examples().collect();
+    for format in &floats {
+        assert_eq!(format.to_string().parse(), Ok(*format), "{format:?}");
+    }
+    assert!(matches!(floats.pop(), Some(Format::Fixed(_))));
+    assert_eq!(floats, Format::floats().collect::<Vec<_>>());
+}
+
+/// Twice the largest number, and twice the least.
+struct Twice;
+
+impl Visitor for Twice {
+    type Output = [f64; 2];
+
+    fn visit<N: Number>(self, number: N) -> [f64; 2] {
+        let (least, most) = number.format().limits();
+        [least, most].map(|end| {
+            let end = number.hold(end);
+            number.value(number.add(end, end))
+        })
+    }
+}
+
+/// Where a format has ends its numbers stay within them, and become infinite elsewhere.
+#[test]
+fn ends_are_where_numbers_stay() {
+    let fixed = ["q1.7", "q8.8-wrap", "q16.0", "q8.24", "q32.0-wrap"];
+    let fixed = fixed.map(|name| name.parse().unwrap());
+    for format in Format::examples().chain(fixed) {
+        let [below, above] = format.visit(Twice);
+        let (least, most) = format.limits();
+        let Some([low, high]) = format.ends() else {
+            assert_eq!(
+                [below, above],
+                [f64::NEG_INFINITY, f64::INFINITY],
+                "{format}"
+            );
+            continue;
+        };
+        assert_eq!(
+            [low, high],
+            [least, most + 2.0 * format.half_step()],
+            "{format}"
+        );
+        for value in [below, above] {
+            assert!((low..high).contains(&value), "{format}: {value}");
+        }
+        assert_eq!(format.wraps(), above != most, "{format}");
+    }
+}
+
+#[test]
+fn bytes_are_those_of_the_bits() {
+    for (name, bytes) in [
+        ("f64", 8),
+        ("f32", 4),
+        ("f16", 2),
+        ("bf16", 2),
+        ("q1.7", 1),
+        ("q8.8", 2),
+        ("q8.24", 4),
+    ] {
+        assert_eq!(name.parse::<Format>().unwrap().bytes(), bytes, "{name}");
+    }
 }

@@ -135,6 +135,72 @@ fn options_without_effect_are_refused() {
     }
 }
 
+/// Arrays of one form have no use for what another form is asked for, and each has what it needs.
+#[test]
+fn options_of_another_form_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("e.csv"), EVENTS).unwrap();
+    for (command, words) in [
+        (
+            "a.npy --window 5ms --tau 5ms",
+            [
+                "--tau has no effect with --as voxels",
+                "leave --tau out, or take --as surfaces",
+            ],
+        ),
+        (
+            "a.npy --as surfaces --every 5ms --tau 5ms --window 5ms",
+            [
+                "--window has no effect with --as surfaces",
+                "--tau says how long a cell remembers",
+            ],
+        ),
+        (
+            "a.npy --as frames --count 5 --every 5ms",
+            [
+                "--every has no effect with --as frames",
+                "--as voxels --bins 1 --share whole",
+            ],
+        ),
+        (
+            "a.npy --as frames --count 5 --normalise max",
+            [
+                "--normalise has no effect with --as frames",
+                "leave --normalise out, or take --as voxels",
+            ],
+        ),
+        (
+            "a.npy --as surfaces --every 5ms",
+            ["required arguments were not provided", "--tau <TIME>"],
+        ),
+        (
+            "a.npy --as voxels",
+            ["required arguments were not provided", "--window <TIME>"],
+        ),
+        (
+            "a.npy",
+            ["required arguments were not provided", "--window <TIME>"],
+        ),
+        (
+            "a.npy --as frames",
+            ["required arguments were not provided", "--count <N>"],
+        ),
+    ] {
+        let command = format!("voxels e.csv -o {command}");
+        let arguments: Vec<&str> = command.split(' ').collect();
+        common::refused_untouched(at, &arguments, &words);
+    }
+    for command in [
+        "--window 5ms --bins 2 --align centred --polarity split --share whole --normalise max",
+        "--as surfaces --every 5ms --from 1ms --tau 5ms --decay linear --polarity signed",
+        "--as frames --count 2 --fill last --polarity split --half",
+    ] {
+        let command = format!("voxels e.csv -o a.npy {command}");
+        good(at, &command.split(' ').collect::<Vec<_>>());
+    }
+}
+
 /// Of two values of one setting neither is taken in silence.
 #[test]
 fn a_setting_is_given_once() {

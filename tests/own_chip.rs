@@ -1058,3 +1058,54 @@ fn a_filter_that_does_not_fit_gives_way_to_the_shortest() {
     let why = format!("the program has {fewest} instruction words, 1 more than the");
     refused(folder, &ask, &[&why, "--to"]);
 }
+
+/// The first register need not be the one in which the input begins.
+#[test]
+fn figures_do_not_go_by_the_order_of_registers() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let registers = r#"["NEWS", "A", "B", "C", "D", "E", "F"]"#;
+    chip(
+        folder,
+        "first",
+        &format!("[registers]\nanalogue = {registers}\n"),
+    );
+    let both = |asked: &[&str]| {
+        ["scamp5", "first"].map(|chip| json(folder, &[asked, &["--chip", chip]].concat()))
+    };
+    let filter = [
+        "compile",
+        "sobel-x",
+        "--filter-only",
+        "--objective",
+        "exact",
+    ];
+    let compile = ["--effort", "0.1", "--json"];
+    let [usual, first] = both(&[&filter[..], &compile].concat());
+    assert_eq!(usual["text"], first["text"]);
+    for of in [
+        "noise_lsb",
+        "offset_stores",
+        "results_lsb",
+        "largest_input_lsb",
+    ] {
+        assert_eq!(usual[of], first[of], "{of}");
+    }
+    assert!(usual["noise_lsb"][0]["fixed"].as_f64().unwrap() > 0.0);
+    let scene = "pattern:disc?width=32&height=24&frames=20&speed=60";
+    let feasibility = [
+        "feasibility",
+        "sobel-x",
+        "--threshold",
+        "40",
+        "--to",
+        "ternary",
+    ];
+    let more = ["--scene", scene, "--effort", "0", "-o", "r.html"];
+    let told = both(&[&feasibility[..], &more].concat());
+    let [usual, first] = told.map(|told| told["fit"]["on_chip"].clone());
+    assert!(usual["noise"]["fixed"].is_object(), "{usual}");
+    for of in ["filter_words", "noise"] {
+        assert_eq!(usual[of], first[of], "{of}");
+    }
+}

@@ -376,6 +376,7 @@ fn the_fewest_words_are_bounded() {
         .unwrap();
     };
     rows("box.toml", "[[1, 1, 1], [1, 1, 1], [1, 1, 1]]");
+    rows("hard.toml", "[[1, -1, 1], [-1, 1, 1], [0, 1, -1]]");
     rows("odd.toml", "[[1, -2, 1], [-1, 1, 1], [0, 1, -1]]");
     let found = |kernel: &str| {
         let compile = [
@@ -405,18 +406,61 @@ fn the_fewest_words_are_bounded() {
     assert!(odd["lower"].as_u64() < odd["upper"].as_u64());
     assert_eq!(odd["is_optimal"], false);
     assert!(said.contains("between "), "{said}");
-    // Halved on the way, it is another kernel.
-    let halved = json(
-        folder.path(),
-        &[
-            "compile",
-            "box.toml",
-            "--filter-only",
-            "--input",
-            "0..127",
-            "--effort",
-            "0.02",
-        ],
+    // Halved on the way, it is another kernel, which has bounds of its own.
+    let halved = [
+        "compile",
+        "hard.toml",
+        "--filter-only",
+        "--input",
+        "0..40",
+        "--effort",
+        "0.02",
+    ];
+    let said = good(folder.path(), &halved);
+    let halved = json(folder.path(), &halved);
+    assert_eq!(halved["prescale_bits"], 1);
+    let (bounds, words) = (&halved["bounds"], halved["filter_words"].as_u64());
+    assert_eq!(
+        (&bounds["lower"], bounds["upper"].as_u64()),
+        (&4.into(), words)
     );
-    assert!(halved["bounds"].is_null());
+    assert_eq!(
+        (
+            &bounds["is_optimal"],
+            &bounds["proof"],
+            &bounds["of_halved_input"]
+        ),
+        (&false.into(), &"doubled".into(), &true.into())
+    );
+    assert!(halved["no_bounds"].is_null());
+    assert!(said.contains("computes 1/2 of this kernel"), "{said}");
+}
+
+/// Where each kernel has a filter of its own, it is said that nothing is bounded.
+#[test]
+fn a_bound_that_is_not_known_is_told() {
+    let folder = TempDir::new().unwrap();
+    let shared = [
+        "compile",
+        "sobel-x,laplacian",
+        "--memory",
+        "shared",
+        "--threshold",
+        "16",
+        "--effort",
+        "0.02",
+    ];
+    let said = good(folder.path(), &shared);
+    assert!(
+        said.contains("bound     none: each kind has a filter"),
+        "{said}"
+    );
+    let shared = json(folder.path(), &shared);
+    assert!(shared["bounds"].is_null());
+    assert!(
+        shared["no_bounds"]
+            .as_str()
+            .unwrap()
+            .starts_with("each kind")
+    );
 }

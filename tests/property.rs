@@ -5,10 +5,11 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use amacrine::{
-    array::{Chip, Exact, Settings},
+    array::{Arithmetic, Chip, Exact, Settings},
     compile::{CellKind, DriveMemory, Effort, Objective, Request, SensorProgram},
     isa::Device,
     kernel::Kernel,
+    number::Format,
     plane::{Plane, Size},
     program::{Overrides, Program},
     property::{
@@ -18,7 +19,7 @@ use amacrine::{
     reference::{Description, Reference},
     rig,
 };
-use proptest::prelude::*;
+use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 
 const SNAP: &str = include_str!("../programs/dvs/snap.scamp");
 
@@ -166,4 +167,21 @@ fn sensors_of_any_make_are_compared() {
     let packets = rig::watch(&mut clip.scene(), &mut [&mut watching], |_| ()).unwrap();
     assert_eq!(packets[0].events.len(), 6);
     assert_eq!(packets[0].span.1.0, 100_000);
+}
+
+/// Each kind of number is drawn, and chips that err.
+#[test]
+fn all_kinds_of_arithmetic_are_drawn() {
+    let mut runner = TestRunner::deterministic();
+    let mut left: Vec<_> = Format::examples()
+        .map(|it| std::mem::discriminant(&it))
+        .collect();
+    let mut silicon = false;
+    for _ in 0..200 {
+        match formats().new_tree(&mut runner).unwrap().current() {
+            Arithmetic::Number(format) => left.retain(|it| *it != std::mem::discriminant(&format)),
+            Arithmetic::Silicon { .. } => silicon = true,
+        }
+    }
+    assert!(left.is_empty() && silicon, "{left:?}");
 }

@@ -354,6 +354,10 @@ fn a_folder_without_its_manifest_is_known_by_its_points() {
     assert!(out.join("front.svg").exists());
 
     fs::remove_file(out.join("sweep.json")).unwrap();
+    // Systems leave hidden files of their own in any folder that somebody has looked at.
+    for folder in [&out, &out.join("points")] {
+        fs::write(folder.join(".DS_Store"), "").unwrap();
+    }
     fs::write(out.join("points/mine.txt"), "mine").unwrap();
     let arguments = ["sweep", "study.toml", "--output", "out"];
     refused(at, &arguments, &["no sweep.json", "out/points/mine.txt"]);

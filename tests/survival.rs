@@ -45,8 +45,7 @@ fn silicon_does_as_predicted() {
         request.effort = EFFORT;
         let filter = request.filter().unwrap();
         assert!(filter.words.len() < 200, "{name}");
-        let registers = (request.input, &request.into[..]);
-        let said = filter.best_forecast(&device, registers, &kernels);
+        let said = filter.best_forecast(&device, &kernels);
         let got = correlations(&filter, &request, said[0].amplitude, 3);
         for (said, got) in said.iter().zip(got) {
             let words = filter.words.len();
@@ -80,8 +79,7 @@ fn large_weights_are_halved_on_the_way() {
         request.effort = EFFORT;
         request.objective = objective;
         let filter = request.filter().unwrap();
-        let registers = (request.input, &request.into[..]);
-        let said = filter.best_forecast(&device, registers, &kernels)[0];
+        let said = filter.best_forecast(&device, &kernels)[0];
         let got = correlations(&filter, &request, said.amplitude, 1)[0];
         (filter.words.len(), filter.prescale, got)
     };
@@ -111,10 +109,9 @@ fn what_is_lost_is_predicted_too() {
         request.effort = EFFORT;
         request.objective = Objective::Words;
         let filter = request.filter().unwrap();
-        let registers = (request.input, &request.into[..]);
         for amplitude in [20.0, 3.0] {
             let signal = Signal::around_zero(amplitude);
-            let said = filter.forecast(&device, registers, &kernels, signal)[0].correlation;
+            let said = filter.forecast(&device, &kernels, signal)[0].correlation;
             let all = (0..4).map(|seed| correlations(&filter, &request, amplitude, seed)[0]);
             let got = all.sum::<f64>() / 4.0;
             println!("{name} ±{amplitude}: {said:.3} said, {got:.3} got");
@@ -145,11 +142,8 @@ fn a_front_goes_up_with_words() {
     let kernels = named("box 5x5");
     let mut request = Request::new(&kernels, &device).unwrap();
     request.effort = EFFORT;
-    let registers = (request.input, request.into.clone());
-    let correlation = |filter: &amacrine::compile::Filter| {
-        let registers = (registers.0, &registers.1[..]);
-        filter.best_forecast(&device, registers, &kernels)[0].correlation
-    };
+    let correlation =
+        |filter: &amacrine::compile::Filter| filter.best_forecast(&device, &kernels)[0].correlation;
     let front = request.front().unwrap();
     assert!(front.len() > 1);
     for pair in front.windows(2) {
@@ -304,8 +298,7 @@ fn one_register_more_never_costs_words_of_the_same_signal() {
             let mut request = Request::new(&kernels, &device).unwrap();
             request.effort = Effort::states(20_000);
             let filter = request.filter().unwrap();
-            let registers = (request.input, &request.into[..]);
-            let forecast = filter.best_forecast(&device, registers, &kernels)[0];
+            let forecast = filter.best_forecast(&device, &kernels)[0];
             ((forecast.snr_db() / 0.25).round(), filter.words.len())
         };
         let all: Vec<_> = (3..=5).map(found).collect();
@@ -338,8 +331,7 @@ fn scamp5_has_no_longer_filter_than_a_chip_of_five_registers() {
         let found = |device: &Device| {
             let request = Request::new(&kernels, device).unwrap();
             let filter = request.filter().unwrap();
-            let registers = (request.input, &request.into[..]);
-            let forecast = filter.best_forecast(device, registers, &kernels)[0];
+            let forecast = filter.best_forecast(device, &kernels)[0];
             (filter.words.len(), forecast.snr_db())
         };
         let (few, many) = (found(&narrow(5)), found(&Device::scamp5()));
@@ -368,8 +360,7 @@ fn a_longer_search_keeps_the_shorter_plans() {
         request.effort = Effort::states(states);
         request.objective = objective;
         let filter = request.filter().unwrap();
-        let registers = (request.input, &request.into[..]);
-        let forecast = filter.best_forecast(&device, registers, &kernels)[0];
+        let forecast = filter.best_forecast(&device, &kernels)[0];
         (filter.words.len(), forecast.snr_db())
     };
     let (fewest, db) = found(400_000, Objective::Words);
@@ -439,9 +430,8 @@ fn sensors_keep_more_of_the_signal() {
         request.objective = objective;
         let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "a", &request).unwrap();
         assert!(sensor.filter.holds);
-        let registers = (sensor.drives[0], &sensor.drives[..]);
         let light = Signal::from_range((0.0, 127.0));
-        let said = sensor.filter.forecast(&device, registers, &kernels, light)[0];
+        let said = sensor.filter.forecast(&device, &kernels, light)[0];
         println!(
             "{objective:?}: {} words, {said:?}",
             sensor.filter.words.len()
@@ -470,8 +460,7 @@ fn the_atlas_is_up_to_date() {
             request.effort = Effort::states(12_000);
             request.objective = objective;
             let filter = request.filter().unwrap();
-            let registers = (request.input, &request.into[..]);
-            let said = filter.best_forecast(&device, registers, &kernels);
+            let said = filter.best_forecast(&device, &kernels);
             found.push(filter.words.len().to_string());
             found.push(format!("{:.4}", said[0].correlation));
         }

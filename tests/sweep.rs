@@ -13,7 +13,7 @@ use std::{
     path::Path,
     process::{Child, Command as Process, Stdio},
     thread,
-    time::Duration,
+    time::{Duration, SystemTime},
 };
 
 use amacrine::study::sweep::{
@@ -984,8 +984,67 @@ fn the_shipped_studies_have_the_points_they_say() {
     }
 }
 
+/// Points of a shard that are kept, with the times at which they were written.
+type Kept = HashSet<(String, SystemTime)>;
+
+fn kept_points(shard: &Path) -> Kept {
+    let points = shard.join("points").read_dir().into_iter();
+    let written = points.flatten().filter_map(|entry| {
+        let entry = entry.ok()?;
+        let name = entry.file_name().into_string().ok()?;
+        // What is half-written has another name.
+        let is_whole = name.len() == "00000000000000000000000000000000.json".len();
+        is_whole.then_some((name, entry.metadata().ok()?.modified().ok()?))
+    });
+    written.collect()
+}
+
+/// Waits until some points of a shard are kept, or the process is over.
+fn wait_for_points(shard: &Path, process: &mut Child) {
+    while kept_points(shard).len() < 2 && process.try_wait().unwrap().is_none() {
+        thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// The points that are kept of the first of three shards when its computation is killed in the
+/// middle: where it was over before, it is begun anew.
+fn killed_midway(shard: &Path, mut kill: impl FnMut() -> Kept) -> Kept {
+    let midway = |kept: &Kept| (2..POINTS / 3).contains(&kept.len());
+    let mut tries = (0..20).map(|_| {
+        let _ = fs::remove_dir_all(shard);
+        kill()
+    });
+    tries.find(midway).expect("it is killed in the middle")
+}
+
+/// What a killed shard had kept is there as it was, and was not computed again: at most the point in
+/// flight was begun twice.
+fn went_on(shard: &Path, kept: &Kept) {
+    assert!(
+        kept.is_subset(&kept_points(shard)),
+        "a point was lost or written again"
+    );
+    let begun = ledger(shard);
+    assert_eq!(begun.len(), POINTS / 3);
+    let total: usize = begun.values().sum();
+    assert!(total <= begun.len() + 1, "{begun:?}");
+}
+
+/// The number of the process that runs this program with this argument.
+fn process_of(program: &Path, argument: &str) -> Option<String> {
+    let processes = Path::new("/proc").read_dir().unwrap().flatten();
+    let mut names = processes.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.find(|name| {
+        let line = fs::read(format!("/proc/{name}/cmdline")).unwrap_or_default();
+        let mut words = line.split(|byte| *byte == 0);
+        words.next() == Some(program.as_os_str().as_encoded_bytes())
+            && words.any(|word| word == argument.as_bytes())
+    })
+}
+
 /// The cluster examples run: the array job's script as SLURM would start it, Dask, Ray and Snakemake as
-/// themselves. Needs `python3` with `examples/cluster/requirements.txt`; `AMACRINE_PYTHON` names another.
+/// themselves; a job of SLURM's script and one of Snakemake are killed in the middle. Needs `python3`
+/// with `examples/cluster/requirements.txt`; `AMACRINE_PYTHON` names another.
 #[test]
 #[ignore = "needs Dask, Ray and Snakemake; CI runs it by name"]
 fn the_cluster_examples_run() {
@@ -993,7 +1052,7 @@ fn the_cluster_examples_run() {
     let at = folder.path();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cluster");
     let program = assert_cmd::cargo::cargo_bin("amacrine");
-    for index in 0..3 {
+    let slurm = |index: u32| {
         let mut bash = Process::new("bash");
         bash.arg(root.join("slurm.sh"))
             .args(["study.toml", "slurm"])
@@ -1002,8 +1061,21 @@ fn the_cluster_examples_run() {
             .env("SLURM_ARRAY_TASK_ID", index.to_string())
             .env("SLURM_ARRAY_TASK_COUNT", "3")
             .env("SLURM_CPUS_PER_TASK", "1");
-        assert!(bash.status().unwrap().success());
+        bash
+    };
+    // A task that is killed goes on when it is submitted again.
+    let shard = at.join("slurm/shard-0");
+    let kept = killed_midway(&shard, || {
+        let mut task = slurm(0).stdout(Stdio::null()).spawn().unwrap();
+        wait_for_points(&shard, &mut task);
+        task.kill().unwrap();
+        task.wait().unwrap();
+        kept_points(&shard)
+    });
+    for index in 0..3 {
+        assert!(slurm(index).status().unwrap().success());
     }
+    went_on(&shard, &kept);
     let shards = ["slurm/shard-0", "slurm/shard-1", "slurm/shard-2"];
     let merge = [
         &["merge"],
@@ -1032,10 +1104,10 @@ fn the_cluster_examples_run() {
             .success()
     };
     assert!(ray() || ray());
-    // A second run has nothing to do, and after a kill it goes on.
-    for _ in 0..2 {
-        let snakemake = Process::new(&python)
-            .args(["-m", "snakemake", "--cores", "2", "--quiet", "all"])
+    // A job that is killed goes on where it was; a second run has nothing to do.
+    let snakemake = || {
+        let mut run = Process::new(&python);
+        run.args(["-m", "snakemake", "--cores", "2", "--quiet", "all"])
             .arg("--snakefile")
             .arg(root.join("Snakefile"))
             .args([
@@ -1045,10 +1117,27 @@ fn the_cluster_examples_run() {
                 "shards=3",
             ])
             .arg(format!("program={}", program.display()))
-            .current_dir(at)
-            .status();
-        assert!(snakemake.unwrap().success());
-    }
+            .current_dir(at);
+        run
+    };
+    let shard = at.join("snakemake/shard-0");
+    let kept = killed_midway(&shard, || {
+        let done = at.join("snakemake/shard-0.done");
+        let _ = fs::remove_file(done);
+        let mut run = snakemake().spawn().unwrap();
+        wait_for_points(&shard, &mut run);
+        let job = process_of(&program, "snakemake/shard-0");
+        let killed = job.map(|job| Process::new("kill").args(["-KILL", &job]).status());
+        let kept = kept_points(&shard);
+        // It tries the job again itself.
+        assert!(run.wait().unwrap().success());
+        assert!(killed.is_none_or(|killed| killed.unwrap().success()));
+        kept
+    });
+    went_on(&shard, &kept);
+    let begun = ledger(&shard);
+    assert!(snakemake().status().unwrap().success());
+    assert_eq!(ledger(&shard), begun);
     for engine in ["dask", "ray", "snakemake"] {
         assert_eq!(
             results(&at.join(engine).join("all")),

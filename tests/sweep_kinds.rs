@@ -274,6 +274,34 @@ fn two_kinds_are_one_sensor_and_one_program() {
     assert!(names.contains("reference raw-snap shared f64"), "{names}");
 }
 
+/// The pixel's own sign is one more signal that a cell keeps beside a memory of drives; ON and OFF
+/// steps of two sizes are counted apart.
+#[test]
+fn what_rules_keep_is_memory() {
+    let folder = folder();
+    let study = format!(
+        "{}kernel = \"two.npy\"\nmetrics = \"f1\"\n\
+         [[side]]\nside = \"reference\"\nthreshold = 24\nmemory = [\"filtered-snap\", \"raw-snap\"]\npolarity = [\"filtered\", \"pixel\"]\n\
+         [[side]]\nside = \"reference\"\nthreshold = [24, {{ on = 24, off = 30 }}]\nmemory = \"filtered-step\"\n",
+        floats()
+    );
+    let all = rows(folder.path(), &study, "out");
+    let bytes = |rule: &str, polarity: &str, off: f64| {
+        let is = |row: &&Value| {
+            row["rule"] == rule && row["polarity"] == polarity && row["threshold_off"] == off
+        };
+        let row = all.iter().find(is).unwrap();
+        row["state_memory_bytes"].as_u64().unwrap()
+    };
+    let kinds = 2 * 48 * 40;
+    assert_eq!(bytes("filtered-snap", "filtered", 24.0), 8 * kinds);
+    assert_eq!(bytes("filtered-snap", "pixel", 24.0), 16 * kinds);
+    assert_eq!(bytes("raw-snap", "filtered", 24.0), 8 * kinds);
+    assert_eq!(bytes("raw-snap", "pixel", 24.0), 8 * kinds);
+    assert_eq!(bytes("filtered-step", "filtered", 24.0), 20 * kinds);
+    assert_eq!(bytes("filtered-step", "filtered", 30.0), 28 * kinds);
+}
+
 #[test]
 fn four_kinds_share_a_chip_or_are_refused() {
     let folder = folder();

@@ -52,8 +52,7 @@ fn main() -> Result<(), CompileError> {
             low[i] += usize::from(best < 0.95);
             line = format!("{line}| {} | {best:.3} ", filter.words.len());
             if objective == Objective::Silicon {
-                let registers = (request.input, &request.into[..]);
-                let said = filter.best_forecast(&device, registers, kernels);
+                let said = filter.best_forecast(&device, kernels);
                 let said = said.iter().map(|f| f.correlation).fold(1.0, f64::min);
                 line = format!("{line}| {said:.3} ");
             }

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from os import PathLike
-from typing import Any, TypeVar, final
+from typing import Any, TypedDict, TypeVar, final
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,47 @@ _Lost = tuple[int, int, int, int, int]
 _OfArray = tuple[int | None, list[str], _Lost | None]
 _Side = tuple[_Path, Events | None, tuple[int, int] | None, _OfArray]
 _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
+_Waterfall = TypedDict(
+    "_Waterfall",
+    {
+        "kernels": list[_Named],
+        "thresholds": list[float],
+        "to": str,
+        "domain": str,
+        "memory": str | None,
+        "sets": list[tuple[str, float]],
+        "readout": _Readout | None,
+        "within_us": int | None,
+        "rates": list[float],
+        "chips": int,
+        "tiles": int | None,
+        "steps": bool,
+    },
+)
+_OnChip = TypedDict(
+    "_OnChip",
+    {
+        "kernels": list[_Named],
+        "thresholds": list[float],
+        "to": list[str],
+        "memory": str | None,
+        "within_us": int | None,
+    },
+)
+_Trade = TypedDict(
+    "_Trade",
+    {
+        "upsample": float | None,
+        "formats": list[str] | None,
+        "within_us": int,
+        "sample": float,
+        "runs": int,
+        "verify": bool,
+        "seed": int,
+        "called": str,
+        "scale": str,
+    },
+)
 
 __version__: str
 ASSUMED_FPS: float
@@ -29,9 +70,23 @@ MEMORIES: tuple[str, ...]
 RANGES: tuple[str, ...]
 TRANSFERS: tuple[str, ...]
 """What the samples of a clip may be taken for."""
-OF_SENSOR: tuple[str, ...]
-OF_PROGRAM: tuple[str, ...]
-"""Number formats that a trade tries where none are named."""
+CANDIDATES: tuple[str, ...]
+"""Quantisers that a design and a report try."""
+CHIP: str
+DOMAIN: str
+TO: str
+EFFORT: float
+"""The chip, the arithmetic of its cells, the values of a kernel, and how long to search, in seconds,
+where nobody says it."""
+FEASIBILITY_CHIPS: int
+LINK_PJ: tuple[float, float]
+"""Chips that a report draws, and the energy of a bit on its link."""
+WATERFALL_CHIPS: int
+SAMPLE: float
+TRADE_WITHIN: float
+RUNS: int
+"""What a trade runs of the sensor, the time in seconds within which an event is the same, and how many
+runs share what it took."""
 
 class Error(ValueError):
     """What is wrong, in the words of the command line: what was given, what was expected, and
@@ -314,6 +369,14 @@ def event_frames(
     polarity: str,
     fill: str,
 ) -> tuple[npt.NDArray[np.int32], tuple[int, int, int]]: ...
+def register_picture(values: npt.NDArray[np.float64], low: float, high: float) -> bytes: ...
+def event_picture(
+    events: Events,
+    size: tuple[int, int],
+    channels: int,
+    span: tuple[int, int] | None,
+    title: str,
+) -> bytes: ...
 def uniform(seed: int, words: list[int]) -> float: ...
 def sweep(
     study: tuple[str, str, _Path],
@@ -366,22 +429,7 @@ def compile_filter(
     search: _Search,
 ) -> tuple[str, list[tuple[str, float]]]: ...
 def quantise(of: list[_Named], to: list[str], sum_to: str, seed: int | None) -> str: ...
-def on_chip(
-    of: _Named,
-    to: list[str],
-    threshold: float,
-    search: _Search,
-    scene: _Shown,
-    within_us: int | None,
-) -> str: ...
-def on_chip_together(
-    of: list[_Named],
-    how: tuple[list[str], str | None],
-    thresholds: list[float],
-    search: _Search,
-    scene: _Shown,
-    within_us: int | None,
-) -> str: ...
+def on_chip(asked: _OnChip, search: _Search, scene: _Shown) -> str: ...
 def design(
     of: list[_Named],
     rate: float | None,
@@ -402,32 +450,9 @@ def feasibility(
     chips: int,
 ) -> tuple[str, str]: ...
 def waterfall(
-    of: list[_Named],
-    thresholds: list[float],
-    how: tuple[str, str, str | None],
-    search: _Search,
-    scene: _Shown,
-    within_us: int | None,
-    rates: list[float] | None,
-    sample: tuple[int, int | None],
-    sets: list[tuple[str, float]],
-    through: _Readout | None,
+    asked: _Waterfall, search: _Search, scene: _Shown
 ) -> list[tuple[str, str]]: ...
 def trade_program(
-    program: Program,
-    domain: str,
-    scene: _Shown,
-    formats: list[str],
-    sample: tuple[int, float, int],
-    how: tuple[bool, int],
-    called: tuple[str, str],
+    program: Program, domain: str, scene: _Shown, asked: _Trade
 ) -> tuple[str, str]: ...
-def trade(
-    sensor: Sensor,
-    scene: _Shown,
-    upsample: float | None,
-    formats: list[str],
-    sample: tuple[int, float, int],
-    how: tuple[bool, int],
-    called: tuple[str, str],
-) -> tuple[str, str]: ...
+def trade(sensor: Sensor, scene: _Shown, asked: _Trade) -> tuple[str, str]: ...

@@ -205,17 +205,20 @@ def _wrapped(of: Any) -> Any:
     return of
 
 
-def told(answer: Answer) -> Answer:
-    """Warns the caller of what the answer warns of, once of each thing."""
-    said: dict[str, str] = {}
-    for one in _warnings(answer.to_dict()):
-        first, *others = one["subjects"] or ["the run"]
-        also = f" (also: {'; '.join(others)})" if others else ""
-        text = f"{first}: {one['seen']}{also}: {one['why']}\nhelp: {one['change']}"
-        said.setdefault(one["about"], text)
-    for text in said.values():
+def told(*answers: Answer) -> Answer:
+    """Warns the caller of what the answers warn of, once of each thing, and gives the first back."""
+    texts: dict[str, None] = {}
+    for answer in answers:
+        said: dict[str, str] = {}
+        for one in _warnings(answer.to_dict()):
+            first, *others = one["subjects"] or ["the run"]
+            also = f" (also: {'; '.join(others)})" if others else ""
+            text = f"{first}: {one['seen']}{also}: {one['why']}\nhelp: {one['change']}"
+            said.setdefault(one["about"], text)
+        texts |= dict.fromkeys(said.values())
+    for text in texts:
         caution(text)
-    return answer
+    return answers[0]
 
 
 def _warnings(of: Any) -> Iterator[dict[str, Any]]:

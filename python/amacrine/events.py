@@ -41,6 +41,9 @@ MOST_SIDE = 1 << 15
 MOST_ROWS = 5
 """Events that a notebook shows."""
 
+MOST_DRAWN = 20_000_000
+"""Events of which a notebook shows a picture: of more it takes seconds."""
+
 RANGES = {"t": (0, (1 << 63) - 1), "x": (0, 65535), "y": (0, 65535), "channel": (0, 254)}
 """What the library's events hold; `p` is 1, 0 or -1."""
 
@@ -91,7 +94,8 @@ class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
         head |= {f"lost: {why}": count for why, count in (self.dropped or {}).items() if count}
         rows = [dict(zip(events.dtype.names or (), event)) for event in events[:MOST_ROWS].tolist()]
         more = "" if len(events) <= MOST_ROWS else f"<p>… {len(events) - MOST_ROWS} more</p>"
-        return notebook.table([head]) + notebook.table(self._signs(events)) + notebook.table(rows) + more
+        tables = notebook.table([head]) + notebook.table(self._signs(events)) + notebook.table(rows)
+        return tables + more + picture(self)
 
     def _signs(self, events: npt.NDArray[Any]) -> list[dict[str, Any]]:
         """ON and OFF of each kind of cells."""
@@ -110,6 +114,24 @@ class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
     def __reduce__(self) -> tuple[Any, ...]:
         known = self.names, self.sensor_size, self.kinds, self.span, self.dropped
         return named, (self.view(np.ndarray), *known)
+
+
+def picture(events: NamedEvents) -> str:
+    """The event frame of the busiest 20 ms, as ``amacrine show --view frame`` draws it, for a notebook;
+    nothing where there are no events, too many, or none that can be drawn."""
+    if not 0 < events.size <= MOST_DRAWN:
+        return ""
+    try:
+        given = packed(events.ravel(), events.sensor_size)
+        ends = events.span
+        span = None if ends is None else (round(ends[0] * 1e6), round(ends[1] * 1e6))
+        png = _amacrine.event_picture(
+            given, events.sensor_size or given.reach, events.kinds or 1, span, "events"
+        )
+    except Error:
+        # Off the sensor, in no order, or of a sensor that is too large for a picture.
+        return ""
+    return notebook.picture(png, "the busiest 20 ms", "events of the busiest 20 ms")
 
 
 def named(
@@ -413,7 +435,8 @@ def time_surfaces(
     size: tuple[int, int] | None = None,
     channels: int | None = None,
 ) -> npt.NDArray[np.float32]:
-    """How long ago each cell fired: 1 for just then, 0 for never.
+    """How long ago each cell fired: 1 for just then, 0 for never. ``amacrine voxels --as surfaces`` writes
+    them of a file of any length.
 
     Args:
         events: A structured array, as for :func:`voxels`.
@@ -455,7 +478,8 @@ def event_frames(
     size: tuple[int, int] | None = None,
     channels: int | None = None,
 ) -> npt.NDArray[np.int32]:
-    """Pictures of ``count`` events each, in the order of their times; the last has what is left.
+    """Pictures of ``count`` events each, in the order of their times; the last has what is left, as
+    ``amacrine voxels --as frames`` writes them of a file of any length.
     For pictures of equal times take :func:`voxels` with ``bins=1, share="whole"``.
 
     Args:

@@ -1,13 +1,16 @@
-"""What a notebook shows: tables."""
+"""What a notebook shows: tables and pictures."""
 
 from __future__ import annotations
 
+import base64
 import html
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from . import _amacrine
 
 MOST_SIDE = 15
 """Kernels with longer sides are no table that anybody reads."""
@@ -17,6 +20,9 @@ MOST_PLANES = 12
 
 MOST_TEXT = 20_000
 """Letters of a file that are shown at most."""
+
+MOST_PIXELS = 128
+"""Pixels of the longer side of a small picture."""
 
 Plane = tuple[str, npt.NDArray[np.float64]]
 """A kernel, and what stands above it."""
@@ -57,6 +63,42 @@ def planes(given: Iterable[Plane]) -> str:
     left = len(all) - min(len(small), MOST_PLANES)
     more = f"<p>{left} {'kernel is' if left == 1 else 'kernels are'} not drawn.</p>" if left else ""
     return f'<div style="display: flex; flex-wrap: wrap; gap: 1em">{shown}</div>{more}'
+
+
+def picture(png: bytes, title: str, alt: str) -> str:
+    """A PNG with words below it."""
+    data = base64.b64encode(png).decode()
+    return (
+        f'<figure style="margin: 0"><img src="data:image/png;base64,{data}" '
+        f'alt="{html.escape(alt, quote=True)}"/>'
+        f"<figcaption>{html.escape(title)}</figcaption></figure>"
+    )
+
+
+def registers(given: Mapping[str, npt.NDArray[Any]]) -> str:
+    """Small pictures of registers beside one another: the least value is black, the most white, 0 and 1
+    of one bit."""
+    shown = "".join(_register(name, values) for name, values in given.items() if values.size)
+    return f'<div style="display: flex; flex-wrap: wrap; gap: 1em">{shown}</div>' if shown else ""
+
+
+def _register(name: str, values: npt.NDArray[Any]) -> str:
+    is_bit = values.dtype == bool
+    small = _smaller(values.astype(np.float64, copy=False))
+    low, high = (0.0, 1.0) if is_bit else (float(small.min()), float(small.max()))
+    return picture(_amacrine.register_picture(small, low, high), name, f"register {name}")
+
+
+def _smaller(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Means of squares of pixels, so that the longer side has :data:`MOST_PIXELS` at most."""
+    step = -(-max(values.shape) // MOST_PIXELS)
+    if step == 1:
+        return np.ascontiguousarray(values)
+    height, width = (-(-side // step) for side in values.shape)
+    more = [(0, rows * step - side) for rows, side in zip((height, width), values.shape)]
+    squares = np.pad(values, more, mode="edge").reshape(height, step, width, step)
+    found: npt.NDArray[np.float64] = squares.mean((1, 3))
+    return found
 
 
 def size(values: npt.NDArray[np.float64]) -> str:

@@ -14,14 +14,15 @@ import numpy.typing as npt
 from . import _amacrine, arguments, notebook
 from ._amacrine import Error
 from .caution import caution
-from .events import NamedEvents, check_side, named, view
+from .events import NamedEvents, check_side, named, picture, view
 from .frames import caution_of_rate, clips
 from .names import chip as found_chip, opened
 
 
 @dataclass(frozen=True, eq=False)
 class ProgramRun:
-    """What a program gave."""
+    """What a program gave. In a notebook it shows its registers as tables and small pictures, and its
+    busiest moment."""
 
     events: NamedEvents
     """What it read out, as :attr:`amacrine.EVENT`; all at the times of frames."""
@@ -48,7 +49,8 @@ class ProgramRun:
         ]
         posts = [{"frame": frame, "what the host wrote": text} for frame, text in self.posts]
         written = notebook.table(posts) if posts else ""
-        return head + notebook.table(registers) + written
+        drawn = picture(self.events) + notebook.registers(self.registers)
+        return head + notebook.table(registers) + written + drawn
 
 
 class Program:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _amacrine, arguments, notebook, toml, voxels as voxel
-from ._amacrine import Error
+from ._amacrine import CHIP, DOMAIN, EFFORT, Error
 from .caution import OF_ALL, Said, caution, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
@@ -732,15 +732,15 @@ class Sensor(EventSensor):
         self,
         to: str = "exact",
         *,
-        domain: str = "silicon",
-        chip: str | Path = "scamp5",
+        domain: str = DOMAIN,
+        chip: str | Path = CHIP,
         sum: str = "kept",
         memory: str | None = None,
         readout: str = "all",
         objective: str = "silicon",
         border: bool = False,
         events_per_frame: int | None = None,
-        effort: float = 1.0,
+        effort: float = EFFORT,
         seed: int | None = None,
     ) -> ChipSensor:
         """Its cells as one program of a chip, watching the same frames.
@@ -927,15 +927,15 @@ def compile(
     thresholds: Thresholds | None = None,
     *,
     to: str = "exact",
-    domain: str = "silicon",
-    chip: str | Path = "scamp5",
+    domain: str = DOMAIN,
+    chip: str | Path = CHIP,
     sum: str = "kept",
     memory: str | None = None,
     readout: str = "all",
     objective: str = "silicon",
     border: bool = False,
     events_per_frame: int | None = None,
-    effort: float = 1.0,
+    effort: float = EFFORT,
     seed: int | None = None,
 ) -> ChipSensor:
     """Kernels, or a sensor, as one program of a chip, with the proof that it computes them.
@@ -1034,10 +1034,10 @@ def compile_filter(
     to: str = "exact",
     input: tuple[float, float] | None = None,
     border: bool = False,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     sum: str = "kept",
     objective: str = "silicon",
-    effort: float = 1.0,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> CompiledFilter:
     """Kernels as statements that filter what register ``A`` holds, without thresholds and events:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _amacrine, arguments, notebook
-from ._amacrine import Error
+from ._amacrine import (
+    CANDIDATES,
+    CHIP,
+    DOMAIN,
+    EFFORT,
+    FEASIBILITY_CHIPS,
+    LINK_PJ,
+    RUNS,
+    SAMPLE,
+    TO,
+    TRADE_WITHIN,
+    WATERFALL_CHIPS,
+    Error,
+)
 from .answer import Answer, told
 from .frames import shown
 from .caution import caution
@@ -93,6 +107,10 @@ class QuantisedList(list[Any]):
     def _repr_html_(self) -> str:
         drawn = ((f"{one.name}, {one.to}", one.levels) for one in self._all())
         return notebook.table([one._row() for one in self._all()]) + notebook.planes(drawn)
+
+    def to_frame(self) -> Any:
+        """Its table as a pandas data frame, a row for each quantised kernel. Needs pandas."""
+        return importlib.import_module("pandas").DataFrame([one._row() for one in self._all()])
 
 
 @overload
@@ -186,13 +204,21 @@ def quantise(
         of_kernels = QuantisedList(each if several else [few[0] for few in each])
         return of_kernels if len(given) > 1 else of_kernels[0]
     search = _search(
-        total, "scamp5" if chip is None else chip, 1.0 if effort is None else effort, drawn or 0
+        total, CHIP if chip is None else chip, EFFORT if effort is None else effort, drawn or 0
     )
-    how = search, shown(scene, fps, scale), micros("within", within)
+    text = _amacrine.on_chip(
+        {
+            "kernels": given,
+            "thresholds": limits,
+            "to": values,
+            "memory": of.memory,
+            "within_us": micros("within", within),
+        },
+        search,
+        shown(scene, fps, scale),
+    )
     if len(given) > 1:
-        text = _amacrine.on_chip_together(given, (values, of.memory), limits, *how)
         return told(Answer.parse(text, rows="together", show=_together))
-    text = _amacrine.on_chip(given[0], values, limits[0], *how)
     return told(Answer.parse(text, rows="chip.rows", show=_alone))
 
 
@@ -222,15 +248,15 @@ def design(
     *,
     rate: float | None = None,
     thresholds: float | Sequence[float] | None = None,
-    to: str | Sequence[str] = ("ternary", "po2-2", "po2-4", "int-3", "int-5"),
+    to: str | Sequence[str] = CANDIDATES,
     memory: str | None = None,
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     within: float | None = None,
-    effort: float = 1.0,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> Answer:
     """From kernels and a scene to sensors to choose from: the table of ``amacrine design``.
@@ -281,13 +307,13 @@ def feasibility(
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     exposure: float | None = None,
-    link_energy: float | tuple[float, float] = (1.0, 20.0),
+    link_energy: float | tuple[float, float] = LINK_PJ,
     overlapped: bool = True,
     within: float | None = None,
-    chips: int = 32,
-    effort: float = 1.0,
+    chips: int = FEASIBILITY_CHIPS,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> Answer:
     """Whether kernels can run in the pixels of a chip, and what is lost: the page of ``amacrine
@@ -342,27 +368,35 @@ class Waterfalls(list[Answer]):
     def _repr_html_(self) -> str:
         return "".join(one._repr_html_() or "" for one in self)
 
+    def to_frame(self, key: str | None = None) -> Any:
+        """The tables of :meth:`Answer.to_frame` of all of them as one pandas data frame, with the
+        kernel's name in the column ``kernel``. Needs pandas."""
+        each = [one.to_frame(key) for one in self]
+        for one, frame in zip(self, each):
+            frame.insert(0, "kernel", one.name)
+        return importlib.import_module("pandas").concat(each, ignore_index=True)
+
 
 @arguments.renamed(threshold="thresholds")
 def waterfall(
     kernel: Cells,
     thresholds: float | Sequence[float] | None = None,
-    to: str = "ternary",
+    to: str = TO,
     *,
     sum: str = "kept",
-    domain: str = "silicon",
+    domain: str = DOMAIN,
     readout: Readout | None = None,
     rates: float | Sequence[float] | None = None,
     steps: bool = False,
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path = CHIP,
     set: Mapping[str, float] | None = None,
     chips: int | None = None,
     tiles: int | None = None,
     within: float | None = None,
-    effort: float = 1.0,
+    effort: float = EFFORT,
     seed: int = 0,
 ) -> Any:
     """Where the events of the float sensor go on the way to the chip, over frame rate and step by
@@ -406,22 +440,26 @@ def waterfall(
             f"help: give thresholds=40, {UNIT_OF_COMPILED}, or a sensor, which has its own"
         )
     found = _amacrine.waterfall(
-        of.named,
-        limits,
-        (word("to", to, "int-5"), word("domain", domain, "exact"), of.memory),
+        {
+            "kernels": of.named,
+            "thresholds": limits,
+            "to": word("to", to, "int-5"),
+            "domain": word("domain", domain, "exact"),
+            "memory": of.memory,
+            "sets": _figures(set),
+            "readout": readout_of(readout),
+            "within_us": micros("within", within),
+            "rates": _rates(rates),
+            "chips": WATERFALL_CHIPS if chips is None else whole("chips", chips, 1, MOST_FALLEN),
+            "tiles": None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
+            "steps": steps,
+        },
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
-        micros("within", within),
-        None if steps else _rates(rates),
-        (
-            4 if chips is None else whole("chips", chips, 1, MOST_FALLEN),
-            None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
-        ),
-        _figures(set),
-        readout_of(readout),
     )
     rows = "steps" if steps else "rates"
-    all = Waterfalls(told(Answer.parse(text, drawing=svg, rows=rows)) for text, svg in found)
+    all = Waterfalls(Answer.parse(text, drawing=svg, rows=rows) for text, svg in found)
+    told(*all)
     return all if len(of.named) > 1 else all[0]
 
 
@@ -434,9 +472,9 @@ def trade(
     upsample: float | None = None,
     domain: str | None = None,
     formats: str | Sequence[str] | None = None,
-    within: float = 100e-6,
-    sample: float = 0.05,
-    runs: int = 1,
+    within: float = TRADE_WITHIN,
+    sample: float = SAMPLE,
+    runs: int = RUNS,
     verify: bool = False,
     seed: int | None = None,
 ) -> Answer:
@@ -469,30 +507,35 @@ def trade(
             'help: give a Sensor, such as Sensor.from_file("rgc-4"), or a Program, such as '
             "chip.program"
         )
-    asked = (
-        micros("within", within) or 0,
-        arguments.number("sample", sample, PART),
-        whole("runs", runs, 1, MOST_RUNS),
-    )
     own = sensor._seed if isinstance(sensor, Sensor) else 0
-    how = flag("verify", verify), own if seed is None else whole("seed", seed)
+    drawn = own if seed is None else whole("seed", seed)
     light = shown(scene, fps, scale)
-    # As the caller writes it: the same frames, the same seed.
-    more = "" if scale is None else f", scale={float(scale)!r}"
-    if isinstance(sensor, Program):
-        if upsample is not None:
-            raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
-        full = "silicon" if domain is None else word("domain", domain, "silicon")
-        numbers = names("formats", _amacrine.OF_PROGRAM if formats is None else formats)
-        called = "program", more
-        found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how, called)
-        return Answer.parse(found[0], drawing=found[1], rows="points")
-    if domain is not None:
+    is_program = isinstance(sensor, Program)
+    if is_program and upsample is not None:
+        raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
+    if not is_program and domain is not None:
         raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
-    contrast = arguments.contrast(upsample)
-    numbers = names("formats", _amacrine.OF_SENSOR if formats is None else formats)
-    called = ("sensor" if how[1] == own else f"sensor.with_seed({how[1]})"), more
-    found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how, called)
+    if is_program:
+        called = "program"
+    else:
+        called = "sensor" if drawn == own else f"sensor.with_seed({drawn})"
+    asked: _amacrine._Trade = {
+        "upsample": arguments.contrast(upsample),
+        "formats": None if formats is None else names("formats", formats),
+        "within_us": micros("within", within) or 0,
+        "sample": arguments.number("sample", sample, PART),
+        "runs": whole("runs", runs, 1, MOST_RUNS),
+        "verify": flag("verify", verify),
+        "seed": drawn,
+        # As the caller writes it: the same frames, the same seed.
+        "called": called,
+        "scale": "" if scale is None else f", scale={float(scale)!r}",
+    }
+    if isinstance(sensor, Program):
+        full = DOMAIN if domain is None else word("domain", domain, "silicon")
+        found = _amacrine.trade_program(sensor._native, full, light, asked)
+    else:
+        found = _amacrine.trade(sensor._native, light, asked)
     return Answer.parse(found[0], drawing=found[1], rows="points")
 
 

@@ -1,26 +1,19 @@
 //! Event files, and two packets compared.
 
 use std::{
-    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
 
 use amacrine::{
-    compare::{
-        Comparison, Pair,
-        score::{Scales, scores_beside},
-        window::{self, Point, Redraws},
-    },
     event::{
         Dropped,
         file::{self, Compression, Format, FormatError, Head, Loaded, Opening, Reader, Writer},
     },
     plane::Size,
-    rig::guard::Warning,
     save::save as save_file,
     stop::Stop,
-    study::remade::Equivalent,
+    study::comparison::{self, Asked, Frames},
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -32,7 +25,7 @@ use crate::{
     error::{raised, refused},
     events::{Borrowed, Events, Given},
     pool, record,
-    remade::By,
+    remade::{By, Maker},
     stop::Flag,
 };
 
@@ -220,39 +213,6 @@ pub fn save(path: PathBuf, text: &str) -> PyResult<()> {
     save_file(&path, |file| file.write_all(text.as_bytes())).map_err(raised)
 }
 
-/// All that is said of a pair.
-#[derive(Serialize)]
-struct Compared {
-    headline: Headline,
-    curve: Vec<Point>,
-    #[serde(flatten)]
-    comparison: Comparison,
-    ruler: BTreeMap<String, Ruled>,
-    reference: About,
-    judged: About,
-    warnings: Vec<Warning>,
-}
-
-#[derive(Serialize)]
-struct Headline {
-    #[serde(flatten)]
-    point: Point,
-    frame_interval_us: Option<Micros>,
-    fps: Option<f64>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    equivalent: Option<Equivalent>,
-}
-
-/// One metric beside the identical packet and chance.
-#[derive(Serialize)]
-struct Ruled {
-    value: Option<f64>,
-    identical: Option<f64>,
-    redraw: Option<f64>,
-    permuted: Option<f64>,
-    lost: Option<f64>,
-}
-
 /// One of the two: a file, or the events of an array, and what it is called; the size of its sensor
 /// where it is known, and what an array knows: how many kinds of cells there are, their names, and
 /// what is missing of them.
@@ -310,9 +270,6 @@ pub fn compare(
     if !(1..=1000).contains(&bins) {
         return Err(refused(format!("{bins} bins"), "give 1 to 1000"));
     }
-    if let Some(fps) = fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
-        return Err(raised(amacrine::scene::SceneError::BadRate { fps }));
-    }
     let (one, other) = (array(py, &a)?, array(py, &b)?);
     let one = one.as_ref().map(Borrowed::given).transpose()?;
     let other = other.as_ref().map(Borrowed::given).transpose()?;
@@ -327,65 +284,29 @@ pub fn compare(
         check(stop)?;
         reference.widen_to(&judged.packet);
         judged.widen_to(&reference.packet);
-        let pair = Pair::new(&reference.packet, &judged.packet)?;
-        let redraws = Redraws::new(&pair, seed);
-        check(stop)?;
-        let (fps, interval) = match (&maker, fps) {
-            (Some(maker), _) => {
-                let (fps, interval) = maker.frames(&pair)?;
-                (Some(fps), interval)
-            }
-            (None, Some(fps)) => (Some(fps), Some(window::interval(fps))),
-            (None, None) => (None, window::frame_interval(&pair)),
+        let frames = match (&maker, fps) {
+            (Some(maker), _) => Frames::Shown(maker.fps()?),
+            (None, Some(fps)) => Frames::Said(fps),
+            (None, None) => Frames::Unknown,
         };
-        let within = within_us.map_or_else(|| window::headline_of(interval), Micros);
-        let packets = [&reference.packet, &judged.packet];
-        let called = a.0.display().to_string();
-        let equivalent = maker
-            .as_ref()
-            .map(|it| it.equivalent(&called, packets, (within, seed)));
-        let equivalent = equivalent.transpose()?;
-        let mut scales = Scales {
+        let asked = Asked {
+            within: within_us.map(Micros),
+            frames,
             bins,
             seed,
             stop,
-            ..Scales::default()
         };
-        scales.within.push(within);
-        scales.within.sort_unstable();
-        scales.within.dedup();
-        let scores = scores_beside(&pair, &scales, &redraws).into_iter();
-        check(stop)?;
-        let ruler = scores.map(|score| {
-            let ruled = Ruled {
-                value: score.value,
-                identical: score.identical,
-                redraw: score.redraw,
-                permuted: score.permuted,
-                lost: score.lost(),
-            };
-            (score.metric.key(), ruled)
-        });
-        let point = Point::new(&pair, &redraws, within);
-        let warnings = Warning::of_comparison(packets, within, point.floor);
-        Ok(Compared {
-            headline: Headline {
-                point,
-                frame_interval_us: interval,
-                fps,
-                equivalent,
-            },
-            curve: window::curve(&pair, &redraws),
-            comparison: Comparison::of_loaded(&pair, within, [&reference, &judged]),
-            ruler: ruler.collect(),
-            reference: About::new(&reference),
-            judged: About::new(&judged),
-            warnings,
-        })
+        let called = a.0.display().to_string();
+        let sides = [(a.0.as_path(), &reference), (b.0.as_path(), &judged)];
+        let answer = comparison::answer(sides, asked, |packets, within| {
+            let equivalent = |it: &Maker| it.equivalent(&called, packets, (within, seed));
+            maker.as_ref().map(equivalent).transpose()
+        })?;
+        Ok(json(&answer))
     };
     let pool = pool::pool()?;
     let compared = pool::watched(py, flag, || pool.install(judge))?;
-    let compared = json(&compared.map_err(|report: Report| raised(report))?)?;
+    let compared = compared.map_err(|report: Report| raised(report))??;
     if let Some(maker) = &maker {
         maker.warn(py)?;
     }

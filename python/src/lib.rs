@@ -16,6 +16,7 @@ mod frames;
 mod gradient;
 mod names;
 mod options;
+mod picture;
 mod pool;
 mod program;
 mod readout;
@@ -32,9 +33,10 @@ mod turn;
 mod watcher;
 
 use amacrine::{
+    compile::Effort,
     reference::MemoryRule,
     scene::{ASSUMED_FPS, Range, Transfer},
-    study::trade::{OF_PROGRAM, OF_SENSOR},
+    study::defaults,
 };
 use numpy::PyArray1;
 use pyo3::{prelude::*, types::PyTuple, wrap_pyfunction};
@@ -49,20 +51,26 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("ASSUMED_FPS", ASSUMED_FPS)?;
     // That of the authors needs a kernel for the memory, for which there is no argument.
-    let authors = MemoryRule::AuthorsPixelStep.word();
-    let memories = MemoryRule::WORDS.iter().rev();
+    let memories = MemoryRule::ALL.iter().rev();
+    let memories = memories.filter(|rule| !rule.has_kernel());
     for (name, words) in [
-        (
-            "MEMORIES",
-            memories.copied().filter(|word| *word != authors).collect(),
-        ),
+        ("MEMORIES", memories.map(|rule| rule.word()).collect()),
         ("RANGES", [&["auto"][..], Range::WORDS].concat()),
         ("TRANSFERS", [&["auto"][..], Transfer::WORDS].concat()),
-        ("OF_SENSOR", OF_SENSOR.to_vec()),
-        ("OF_PROGRAM", OF_PROGRAM.to_vec()),
+        ("CANDIDATES", defaults::CANDIDATES.split(',').collect()),
     ] {
         module.add(name, PyTuple::new(py, words)?)?;
     }
+    module.add("CHIP", defaults::CHIP)?;
+    module.add("DOMAIN", defaults::DOMAIN)?;
+    module.add("TO", defaults::TO)?;
+    module.add("EFFORT", Effort::SECONDS)?;
+    module.add("FEASIBILITY_CHIPS", defaults::FEASIBILITY_CHIPS)?;
+    module.add("LINK_PJ", PyTuple::new(py, defaults::LINK_PJ)?)?;
+    module.add("WATERFALL_CHIPS", defaults::WATERFALL_CHIPS)?;
+    module.add("SAMPLE", defaults::SAMPLE)?;
+    module.add("TRADE_WITHIN", defaults::TRADE_WITHIN.0 as f64 / 1e6)?;
+    module.add("RUNS", defaults::RUNS)?;
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;
@@ -89,7 +97,6 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::compile_filter, module)?)?;
     module.add_function(wrap_pyfunction!(study::quantise, module)?)?;
     module.add_function(wrap_pyfunction!(study::on_chip, module)?)?;
-    module.add_function(wrap_pyfunction!(study::on_chip_together, module)?)?;
     module.add_function(wrap_pyfunction!(study::design, module)?)?;
     module.add_function(wrap_pyfunction!(study::feasibility, module)?)?;
     module.add_function(wrap_pyfunction!(study::waterfall, module)?)?;
@@ -106,5 +113,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tensor::surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::event_frames, module)?)?;
     module.add_function(wrap_pyfunction!(chance::uniform, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::register_picture, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::event_picture, module)?)?;
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! The sensor that made the reference of a comparison, on its scene.
 
 use amacrine::{
-    compare::{Pair, window},
     event::Packet,
     number::{Format, FormatError},
     photoreceptor::Response,
@@ -49,11 +48,9 @@ impl Maker {
         Ok(upsample::by_contrast(self.source.open()?, self.contrast)?)
     }
 
-    /// Frames a second, and the time between two where events are at theirs.
-    pub fn frames(&self, pair: &Pair) -> Result<(f64, Option<Micros>), Report> {
-        let fps = self.open()?.fps();
-        let interval = Some(window::interval(fps)).filter(|_| window::at_frames(pair, fps));
-        Ok((fps, interval))
+    /// Frames a second of the scene.
+    pub fn fps(&self) -> Result<f64, Report> {
+        Ok(self.open()?.fps())
     }
 
     /// The change of the threshold that costs as much as what is judged lacks.

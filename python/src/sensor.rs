@@ -5,13 +5,13 @@ use std::{collections::BTreeMap, io, path::PathBuf};
 use amacrine::{
     number::{Format, FormatError},
     plane::Size,
-    reference::Description,
+    reference::{Description, Effect},
     rig::guard::Warning,
     scene::Samples,
     source,
     study::{
         cells::studied,
-        pilot::{Effect, UnknownPart, left_out},
+        pilot::{UnknownPart, left_out},
         rate,
         run_guard::RunGuard,
     },

@@ -20,6 +20,7 @@ use amacrine::{
     },
     stop::Stop,
 };
+use miette::Report;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -204,6 +205,22 @@ impl Source {
             caution(py, &warning)?;
         }
         Ok(made)
+    }
+
+    /// The same for a study whose answer has these warnings: they are told with it, and here only
+    /// where there is no answer.
+    pub fn answer<T: Send>(
+        &self,
+        py: Python<'_>,
+        response: Response,
+        what: impl FnOnce() -> Result<T, Report> + Send,
+    ) -> PyResult<T> {
+        self.work(py, what)?.or_else(|report| {
+            for warning in Warning::of_scene(&self.observation, response) {
+                caution(py, &warning)?;
+            }
+            Err(raised(report))
+        })
     }
 
     /// What was seen of them.

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import functools
+import io
+import re
 import warnings
 from pathlib import Path
 from typing import Any, Callable
@@ -39,6 +42,56 @@ def test_a_program_is_that_of_exec(
     shown = run._repr_html_()
     assert shown.count("<table>") == 2 and f"<td>{len(run.events)}</td>" in shown
     assert "<td>FLAG</td>" in shown and "<td>A</td>" in shown
+    # What is drawn is what the command line draws: 0 and 1 of one bit, analogue ones from end to end.
+    drawn = _pictures(shown)
+    assert set(drawn) == {"events of the busiest 20 ms", *(f"register {one}" for one in run.registers)}
+    for name in ("R5", "FLAG"):
+        assert drawn[f"register {name}"] == (tmp_path / "dump" / f"{name}.png").read_bytes()
+    values = run.registers["A"]
+    gray = (values - values.min()) * (255 / (values.max() - values.min()))
+    assert np.array_equal(_gray(drawn["register A"]), np.round(gray))
+    program(
+        "show", tmp_path / "e.npy", "-o", tmp_path / "e.svg", "--view", "frame", "--title", "events"
+    )
+    svg = (tmp_path / "e.svg").read_text()
+    (pixels,) = re.findall(r"data:image/png;base64,([^\"]*)", svg)
+    theirs = _pixels(base64.b64decode(pixels))
+    ours = _pixels(drawn["events of the busiest 20 ms"])
+    # A pixel of the sensor is some pixels of the picture.
+    inks = {tuple(one) for one in theirs.reshape(-1, 3).tolist()}
+    assert len(inks) > 2 and inks <= {tuple(one) for one in ours.reshape(-1, 3).tolist()}
+
+
+def _pictures(shown: str) -> dict[str, bytes]:
+    """The PNGs of what a notebook shows, by what they are of."""
+    found = re.findall(r'<img src="data:image/png;base64,([^"]*)" alt="([^"]*)"/>', shown)
+    return {name: base64.b64decode(data) for data, name in found}
+
+
+def _pixels(png: bytes) -> Any:
+    """The pixels of a PNG, (H,W,3)."""
+    image = pytest.importorskip("matplotlib.image")
+    return np.rint(image.imread(io.BytesIO(png))[..., :3] * 255).astype(int)
+
+
+def _gray(png: bytes) -> Any:
+    found = _pixels(png)
+    assert (found == found[..., :1]).all()
+    return found[..., 0]
+
+
+def test_large_registers_are_drawn_small() -> None:
+    frames = np.random.default_rng(0).integers(0, 256, (2, 200, 301)).astype(np.uint8)
+    run = amacrine.Program.from_file("dvs/snap").run(frames, FPS)
+    shown = run._repr_html_()
+    drawn = _gray(_pictures(shown)["register A"])
+    # Means of 3x3 pixels, those beyond the edge as the edge is.
+    assert drawn.shape == (67, 101)
+    values = np.pad(run.registers["A"], ((0, 1), (0, 2)), mode="edge")
+    means = values.reshape(67, 3, 101, 3).mean((1, 3))
+    gray = (means - means.min()) * (255 / (means.max() - means.min()))
+    assert np.abs(drawn - gray).max() <= 0.5 + 1e-9
+    assert len(shown) < 500_000
 
 
 def test_what_was_lost_goes_with_the_events(

@@ -520,32 +520,15 @@ def test_options_are_arguments() -> None:
         "leave the number out (--stream): it": "leave the number out (stream): it",
         "choose one by its number: --stream N, in Python read(path, stream=N)": "choose one by its number: read(path, stream=N)",
         "; `convert --salvage` keeps": "; `amacrine convert --salvage` keeps",
+        "set it by hand (--with slots=VALUE); the": 'set it by hand (readout={…, "slots": VALUE}); the',
+        "(the file says srgb; --transfer auto undoes it)": '(the file says srgb; transfer="auto" undoes it)',
+        "was not undone (--transfer undoes it)": "was not undone (transfer undoes it)",
         "`exec --set A=FILE.npy`; or": "`amacrine exec --set A=FILE.npy`; or",
         "`ffmpeg -i A.gif --x`": "`ffmpeg -i A.gif --x`",
         "`amacrine sweep --x`": "`amacrine sweep --x`",
     }.items():
         assert said(text) == want
         assert said(want) == want
-
-
-def test_each_option_that_is_renamed_is_told_of() -> None:
-    """What stands in the lists of options and is in no message is renamed in vain, and the message
-    that it was for keeps its option."""
-    files = [path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.rs")]
-    messages = _unbroken("".join(files)).replace('\\"', '"')
-    own = _unbroken((ROOT / "python/src/options.rs").read_text(encoding="utf-8"))
-    lists = re.findall(r"const (PHRASES|ARGUMENTS): .*? = \[(.*?)\n\];", own, re.DOTALL)
-    (_, phrases), (_, arguments) = lists
-    pair = r'\(\s*"((?:[^"\\]|\\.)*)",\s*"(?:[^"\\]|\\.)*",?\s*\)'
-    said = [one.replace('\\"', '"') for one in re.findall(pair, phrases)]
-    said += [f"--{name}" for name in re.findall(r'\("([a-z-]+)", (?:true|false)\)', arguments)]
-    assert len(said) == sum(int(n) for n in re.findall(r"\[\(&str, [^\]]*; (\d+)\]", own))
-    assert [one for one in said if one not in messages] == []
-
-
-def _unbroken(rust: str) -> str:
-    """Texts of Rust that go on in the next line, in one."""
-    return re.sub(r"\\\n\s*", "", rust)
 
 
 def test_options_that_are_calls_here(tmp_path: Path, frames: Frames) -> None:

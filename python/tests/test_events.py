@@ -513,6 +513,13 @@ def test_effects_are_left_out_as_run_does(
         assert events.tobytes() == np.load(tmp_path / "e.npy").tobytes()
         assert events.tobytes() != sensor.events(frames, FPS).tobytes()
         assert plain.without().text == plain.text
+    # Without a period, the authors' rule is still another than a dead time.
+    authors = amacrine.Sensor(kernels(2, 3), 0.3, refractory={"us": 9000, "rule": "authors"})
+    (tmp_path / "it.toml").write_text(authors.text)
+    program("run", *words, "--events", tmp_path / "e.npy", "--without", "dead-time")
+    events = authors.without("dead-time").events(frames, FPS)
+    assert events.tobytes() == np.load(tmp_path / "e.npy").tobytes()
+    assert events.tobytes() != amacrine.Sensor(kernels(2, 3), 0.3).events(frames, FPS).tobytes()
     with pytest.raises(amacrine.Error, match="has no jitter to leave out"):
         sensor.without("jitter")
     with pytest.raises(amacrine.Error, match="did you mean `leak`"):
@@ -531,6 +538,11 @@ def test_a_notebook_shows_the_first_events() -> None:
     for n, name in enumerate(["one&lt;", "other"]):
         of = seen["p"][seen["channel"] == n]
         assert f"<td>{name}</td><td>{(of == 1).sum()}</td><td>{(of == 0).sum()}</td>" in shown
+    # A picture of the busiest moment, where it can be drawn.
+    figure = '<figure style="margin: 0"><img src="data:image/png;base64,'
+    assert figure in shown and figure in str(seen[:3]._repr_html_())
+    for none in (seen[:0], seen[::-1], amacrine.events.named(given, None, (2, 2))):
+        assert figure not in str(none._repr_html_())
     # Without what is known of a sensor, and with nothing at all.
     plain = amacrine.events.named(given, None, None)
     shown = plain._repr_html_()

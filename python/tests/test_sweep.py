@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Callable
 from unittest.mock import MagicMock
@@ -299,3 +300,42 @@ def test_on_a_cluster(study: Path, tmp_path: Path) -> None:
         assert not (tmp_path / "x").exists()
         with pytest.raises(amacrine.Error, match="jobs with a client"):
             amacrine.sweep(study, tmp_path / "x", client=client, jobs=2)
+
+
+def _begun(folder: Path) -> list[str]:
+    """The points whose computation was begun, as often as it was."""
+    return (folder / "ledger.txt").read_text().split()
+
+
+@pytest.mark.filterwarnings("ignore::amacrine.Caution")
+def test_a_worker_that_is_killed_costs_the_point_in_flight(study: Path, tmp_path: Path) -> None:
+    """A worker of a cluster is killed in the middle of its shard, which goes on on another."""
+    distributed = pytest.importorskip("dask.distributed")
+    many = {"threshold": [*range(4, 20)]}
+    amacrine.sweep(study, tmp_path / "alone", set=many)
+    output = tmp_path / "dask"
+    shards = [output / "shard-0", output / "shard-1"]
+
+    def kept(shard: Path) -> set[str]:
+        return {path.name for path in shard.glob("points/*.json") if len(path.stem) == 32}
+
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True
+    )
+    with cluster, distributed.Client(cluster) as client, ThreadPoolExecutor(1) as pool:
+        workers = client.run(os.getpid)
+        sweep = pool.submit(amacrine.sweep, study, output, set=many, client=client, shards=2)
+        while any(len(kept(shard)) < 3 for shard in shards) and not sweep.done():
+            time.sleep(0.005)
+        busy = next(worker for worker, tasks in client.processing().items() if tasks)
+        os.kill(workers[busy], signal.SIGKILL)
+        there = [kept(shard) for shard in shards]
+        swept = sweep.result()
+        # The task of the killed worker was computed in two parts, of which the second is told.
+        assert swept.computed < len(swept) == 48
+        assert _rows(swept.folder) == _rows(tmp_path / "alone")
+        for shard, before in zip(shards, there):
+            assert before <= kept(shard)
+        begun = [point for shard in shards for point in _begun(shard)]
+        assert len(set(begun)) == 48 and len(begun) <= 49
+        assert amacrine.sweep(study, output, set=many, client=client).computed == 0

@@ -205,6 +205,55 @@ def test_event_frames(frames: Frames) -> None:
     assert not amacrine.events.voxels(none, bins=3, size=(4, 6)).any()
 
 
+def _written(
+    program: Callable[..., str], file: Path, name: str, to: str, how: list[str]
+) -> np.ndarray[Any, np.dtype[Any]]:
+    """The array that the command line writes of a file of events, as .npy or .npz."""
+    out = file.with_name(f"array.{to}")
+    program("voxels", file, "-o", out, "--as", name, *how)
+    loaded = np.load(out)
+    return loaded if to == "npy" else loaded[name]  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("to, half", [("npy", False), ("npz", False), ("npy", True), ("npz", True)])
+def test_the_command_line_writes_the_same(
+    program: Callable[..., str], tmp_path: Path, frames: Frames, to: str, half: bool
+) -> None:
+    """Voxels, time surfaces and event frames of a file, to the bit, but for the axis of sides."""
+    events = amacrine.Sensor(kernels(2), 2.0).events(frames, FPS)
+    file = tmp_path / "events.npy"
+    amacrine.write(file, events)
+    number = np.float16 if half else np.float32
+    bits = ["--half"] if half else []
+    times = [0.013 * n for n in range(1, 9)]
+    assert events.span is not None and events["t"][-1] * 1e-6 < events.span[1] < times[-1]
+    for polarity in ("signed", "split"):
+        both: dict[str, Any] = {"polarity": polarity}
+        sides = ["--polarity", polarity, *bits]
+
+        def same(name: str, how: list[str], want: np.ndarray[Any, np.dtype[Any]]) -> None:
+            got = _written(program, file, name, to, [*how, *sides])
+            assert want.any() and got.dtype == number
+            whole = want if polarity == "split" else np.expand_dims(want, 2)
+            assert np.array_equal(got, whole.astype(number))
+            assert got.tobytes() == whole.astype(number).tobytes()
+
+        voxels = amacrine.events.voxels(events, bins=4, window=0.02, **both)
+        same("voxels", ["--bins", "4", "--window", "20ms"], voxels)
+        for decay in ("exponential", "linear"):
+            surfaces = amacrine.events.time_surfaces(events, times, tau=0.03, decay=decay, **both)
+            how = ["--every", "13ms", "--tau", "30ms", "--decay", decay]
+            same("surfaces", how, surfaces)
+        for fill in ("count", "last"):
+            pictures = amacrine.events.event_frames(events, 700, fill=fill, **both)
+            same("frames", ["--count", "700", "--fill", fill], pictures)
+    # What stands where nothing is said is the same, too.
+    plain = amacrine.events.time_surfaces(events, times, tau=0.03).astype(number)
+    assert np.array_equal(
+        _written(program, file, "surfaces", to, ["--every", "13ms", "--tau", "30ms", *bits]), plain
+    )
+
+
 def test_a_recording_that_begins_late(frames: Frames) -> None:
     sensor = amacrine.Sensor("csdvs-3", 0.2)
     events = sensor.events(frames, FPS)

@@ -1,10 +1,7 @@
 //! Registers at the end of their range: what was to be held there was larger.
 
 use super::{Arithmetic, Array, Settings};
-use crate::{
-    isa::{Analog, Device, Errors},
-    number::Format,
-};
+use crate::isa::{Analog, Device, Errors};
 
 /// A register with values at the end of its range.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,17 +34,14 @@ impl Arithmetic {
         match self {
             // Headroom included: cells saturate there, wherever the converter does.
             Self::Silicon { .. } => Some(Errors::from_device(device).range.into()),
-            // Whichever comes first.
-            Self::Number(Format::Fixed(format)) => {
-                let (low, high) = Format::Fixed(format).limits();
-                Some(if settings.clip {
-                    [f64::max(low, chip[0]), f64::min(high, chip[1])]
-                } else {
-                    [low, high]
-                })
+            Self::Number(format) => {
+                let held = format.ends().map(|_| <[f64; 2]>::from(format.limits()));
+                match (held, settings.clip.then_some(chip)) {
+                    // Whichever comes first.
+                    (Some(held), Some(clip)) => Some([held[0].max(clip[0]), held[1].min(clip[1])]),
+                    (held, clip) => held.or(clip),
+                }
             }
-            Self::Number(_) if settings.clip => Some(chip),
-            Self::Number(_) => None,
         }
     }
 }

@@ -11,7 +11,7 @@ use multiversion::multiversion;
 
 use super::{Ageing, Domain, Layout, Place, RowOps, Share, each::has_wide_vectors};
 use crate::{
-    isa::{self, Digital, Errors},
+    isa::{self, Digital, Errors, StoreTerms},
     plane::At,
     rng::row::{Draws, hash, normal},
 };
@@ -158,6 +158,17 @@ impl Silicon {
     /// Cells beside each other, from `place` on.
     #[inline]
     fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
+        let StoreTerms {
+            division,
+            noise,
+            // In the planes.
+            transfer: _,
+            loss: _,
+            gain_mismatch: _,
+            offset_mismatch: _,
+            mismatch_correlation: _,
+            division_mismatch: _,
+        } = self.errors.of_a_store();
         let (first, register) = (self.pixel(place), usize::from(place.register.0));
         let targets = share.by as usize;
         let uneven = |part: u8, split| isa::uneven(part.into(), targets, split);
@@ -178,9 +189,9 @@ impl Silicon {
                 }
                 _ => Vec::new(),
             },
-            division: self.errors.division as f32,
+            division: division as f32,
             draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
-            noise: self.errors.noise as f32,
+            noise: noise as f32,
             range: (self.errors.range.0 as f32, self.errors.range.1 as f32),
         }
     }

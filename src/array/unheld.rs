@@ -1,19 +1,19 @@
-//! Numbers that a program puts into cells, and that a fixed-point format does not hold.
+//! Numbers that a program puts into cells, and that a format with ends does not hold.
 
 use std::fmt;
 
 use super::{Arithmetic, Settings};
 use crate::{
     isa::Device,
-    number::{FixedFormat, Format, Overflow},
+    number::Format,
     program::{Action, Host, Step},
 };
 
-/// What of a program's numbers a fixed-point format does not hold. Displayed, it says so.
+/// What of a program's numbers a format with ends does not hold. Displayed, it says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unheld {
     /// What cells hold.
-    format: FixedFormat,
+    format: Format,
     /// What the photodiodes begin at, in LSB, where that is too large.
     reset: Option<f64>,
     /// The constant that is farthest beyond, in LSB, and the line that loads it.
@@ -47,12 +47,12 @@ impl Unheld {
     }
 
     fn new(cells: Arithmetic, numbers: &Numbers, settings: &Settings) -> Option<Self> {
-        let Arithmetic::Number(Format::Fixed(format)) = cells else {
+        let Arithmetic::Number(format) = cells else {
             return None;
         };
-        let [low, high] = format.ends();
+        let [low, high] = format.ends()?;
         // What rounds to the last number lies within.
-        let near = format.step() / 2.0;
+        let near = format.half_step();
         let beyond = |value: f64| f64::max(low - near - value, value - (high - near));
         let reset = Some(settings.reset_level).filter(|_| numbers.reads_light);
         let constants = numbers.constants.iter().copied();
@@ -67,14 +67,11 @@ impl Unheld {
 
     /// What becomes of these numbers.
     #[must_use]
-    pub const fn why(&self) -> &'static str {
-        match self.format.overflow() {
-            Overflow::Saturate => {
-                "values beyond that are clipped, so the program computes with other numbers"
-            }
-            Overflow::Wrap => {
-                "values beyond that wrap around, so the program computes with other numbers"
-            }
+    pub fn why(&self) -> &'static str {
+        if self.format.wraps() {
+            "values beyond that wrap around, so the program computes with other numbers"
+        } else {
+            "values beyond that are clipped, so the program computes with other numbers"
         }
     }
 
@@ -88,9 +85,10 @@ impl Unheld {
             values.clone().all(|value| -most <= value && value < most)
         };
         let bits = (1..32).find(held).unwrap_or(32);
+        let own = 8 * self.format.bytes();
         let all = [16, 32]
             .into_iter()
-            .find(|all| bits <= *all && self.format.bits() <= *all);
+            .find(|all| bits <= *all && own <= u64::from(*all));
         let fraction = all.unwrap_or(32) - bits;
         format!("take a format of {bits} bits or more before the point, such as q{bits}.{fraction}")
     }
@@ -98,14 +96,14 @@ impl Unheld {
 
 impl fmt::Display for Unheld {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [low, high] = self.format.ends();
+        let (low, last) = self.format.limits();
         let shown = |number: f64| (number * 1e3).round() / 1e3;
-        let last = shown(high - self.format.step());
         write!(
             f,
-            "{} holds {} to {last} LSB",
-            Format::Fixed(self.format),
-            shown(low)
+            "{} holds {} to {} LSB",
+            self.format,
+            shown(low),
+            shown(last)
         )?;
         if let Some(reset) = self.reset {
             write!(

@@ -1,20 +1,13 @@
 //! `amacrine feasibility`: whether a kernel can run on a chip, as a page to forward.
 
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 use miette::{IntoDiagnostic, WrapErr};
 
 use super::{
     arguments::{
-        budget,
-        clip::Clip,
-        event_rate::event_rate,
-        heading,
-        kernel_names::KernelNames,
-        light::{self, WithLight},
-        quantiser::Total,
-        readout::Choice,
-        window::Window,
+        budget, clip::Clip, event_rate::event_rate, heading, kernel_names::KernelNames, light,
+        quantiser::Total, readout::Choice, window::Window,
     },
     compile::memory,
     input::kernels::Kinds,
@@ -37,6 +30,7 @@ use crate::{
     save::save,
     scene::Observation,
     study::{
+        WithLight, defaults,
         equivalent::{self, Likeness, RUNGS},
         feasibility::{
             self, AtRate, Feasibility, Fit, Question, Reply, Several, Stream, chips::OverChips,
@@ -78,7 +72,7 @@ pub struct Arguments {
     #[arg(long, value_name = "QUANTISER", value_parser = super::arguments::quantiser::quantiser)]
     to: Option<Quantiser>,
     /// Quantisers in the table, one row each
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = defaults::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
     candidates: Vec<Quantiser>,
     /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
@@ -90,7 +84,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WHERE", value_parser = memory)]
     memory: Option<DriveMemory>,
     /// Name of a shipped chip, or folder of your own
-    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
+    #[arg(long, default_value = defaults::CHIP, help_heading = heading::CHIP)]
     chip: Named,
     /// Exposure of each frame, such as 2ms
     ///
@@ -101,7 +95,7 @@ pub struct Arguments {
     /// Energy of a bit on the link in pJ: one number or LO..HI
     ///
     /// This is an assumption: give that of your own link.
-    #[arg(long, default_value = "1..20", value_name = "LO..HI", value_parser = energy, help_heading = heading::CHIP)]
+    #[arg(long, default_value_t = Energy::default(), value_name = "LO..HI", value_parser = energy, help_heading = heading::CHIP)]
     link_energy: Energy,
     /// Order of exposure and readout
     #[arg(long, value_enum, default_value = "overlapped", help_heading = heading::CHIP)]
@@ -109,7 +103,7 @@ pub struct Arguments {
     #[command(flatten)]
     window: Window,
     /// Number of simulated chips, drawn from what the public data allow
-    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS), help_heading = heading::CHIP)]
+    #[arg(long, default_value_t = defaults::FEASIBILITY_CHIPS, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS), help_heading = heading::CHIP)]
     chips: u64,
     /// Search effort for each program, in seconds
     ///
@@ -159,6 +153,21 @@ impl From<Order> for ReadoutOrder {
 /// The least and the most, pJ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Energy(f64, f64);
+
+impl Default for Energy {
+    fn default() -> Self {
+        let [least, most] = defaults::LINK_PJ;
+        Self(least, most)
+    }
+}
+
+/// As it is written.
+impl fmt::Display for Energy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(least, most) = self;
+        write!(f, "{least}..{most}")
+    }
+}
 
 /// An energy, for the command line.
 fn energy(text: &str) -> Result<Energy, String> {
@@ -353,8 +362,7 @@ impl Arguments {
         if let Some(exposure) = self.exposure {
             line.option("exposure", &format!("{}us", exposure.0));
         }
-        let Energy(least, most) = self.link_energy;
-        line.option("link-energy", &format!("{least}..{most}"));
+        line.option("link-energy", &self.link_energy.to_string());
         let order = ReadoutOrder::from(self.readout);
         line.option("readout", order.name());
         line.option("chips", &self.chips.to_string());

@@ -115,7 +115,7 @@ verbs! {
     Convert => convert,
     /// Tell what a packet (the events of a sensor over a scene) costs on a link, and what a readout makes of it
     Packets => packets,
-    /// Turn an event file into the tensors that networks take: bins over windows of time
+    /// Turn an event file into the arrays that networks take: voxels, time surfaces or event frames
     Voxels => voxels,
     /// Find what a model may leave out in a scene, with the limit that allows it
     Plan => plan,

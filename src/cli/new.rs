@@ -25,7 +25,7 @@ use crate::{
 /// What `new` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine new sensor mine\n  amacrine new program edges --from convolve/sobel\n  amacrine new chip wide\n\nA sensor, kernel, study or readout is NAME.toml. A copy of its JSON Schema stands beside it, with which editors complete and check it; optional keys are in comments. A program is NAME.scamp. A chip is a folder whose device.toml says only where it differs from another."
+    after_help = "Examples:\n  amacrine new sensor mine\n  amacrine new program edges --from convolve/sobel\n  amacrine new chip wide\n\nA sensor, kernel, study or readout is NAME.toml. A copy of its JSON Schema stands beside it, with which editors complete and check it; optional keys are in comments. A program is NAME.scamp. A chip is a folder whose device.toml says only where it differs from another; it has its schema in it."
 )]
 pub struct Arguments {
     /// Kind of file
@@ -82,7 +82,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                 Some(from) => extending(from),
                 None => CHIP.to_owned(),
             };
-            vec![(name.join("device.toml"), titled(&text, "name", name))]
+            let text = titled(&text, "name", name);
+            let schema = schema::schema_for(arguments.kind);
+            with_schema(arguments.kind, &schema, name.join("device.toml"), &text)
         }
         Some(kind) => begun(kind, arguments, name)?,
     };
@@ -133,23 +135,33 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
     if kind == Kind::Program {
         return Ok(vec![(path, file.text.to_owned())]);
     }
-    // As it was typed.
-    let word = arguments.kind.to_possible_value();
-    let word = word.as_ref().map_or("file", |value| value.get_name());
-    let beside = format!("{word}.schema.json");
     let schema = schema::schema_for(arguments.kind);
     let title = if kind == Kind::Study { "title" } else { "name" };
     let text = config::with_keys(file.text, &schema);
     let text = config::that_hold(&text, &|text| read(kind, text));
     let text = titled(&text, title, &path);
+    Ok(with_schema(arguments.kind, &schema, path, &text))
+}
+
+/// A file that names its schema in its first line, and the schema beside it.
+fn with_schema(
+    kind: schema::Kind,
+    schema: &serde_json::Value,
+    path: PathBuf,
+    text: &str,
+) -> Vec<(PathBuf, String)> {
+    // As it was typed.
+    let word = kind.to_possible_value();
+    let word = word.as_ref().map_or("file", |value| value.get_name());
+    let beside = format!("{word}.schema.json");
     let text = format!("#:schema ./{beside}\n{text}");
+    let beside = path.with_file_name(beside);
     let mut written = vec![(path, text)];
-    let beside = name.with_file_name(beside);
     // All of a kind have the same: one that is there was written by a version of its own.
     if !beside.exists() {
         written.push((beside, format!("{schema:#}\n")));
     }
-    Ok(written)
+    written
 }
 
 /// Reads a text that stands beside no other file.

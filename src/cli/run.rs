@@ -34,15 +34,15 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{
-        Counts, Description, EventList, Firing, Limit, Reference, Report, Sinks, Tally, VoxelGrid,
-        WhenFull,
+        Counts, Description, Effect, EventList, Firing, Limit, Reference, Report, Sinks, Tally,
+        VoxelGrid, WhenFull,
     },
     rig::{self, guard::Warning},
     save::Stack,
     scene::{Observation, Scene, SceneError, upsample},
     source,
     study::{
-        pilot::{Effect, Part, Plan},
+        pilot::{Part, Plan},
         run_guard::{Done, RunGuard},
     },
     unit::{Micros, counted},

@@ -48,8 +48,8 @@ pub struct Arguments {
     /// Write the picture to this file: .png, .svg, .gif, .apng or .mcap
     ///
     /// .gif and .apng are animations, window by window: of frames, as .apng also of surfaces and
-    /// kinds. .mcap is a recording of events and pictures, window by window, for Foxglove and
-    /// rerun.
+    /// kinds. .mcap is a recording of events and pictures, window by window, for viewers of
+    /// ROS 2.
     #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
     output: Option<Output>,
     /// View to draw [default: overview; frame for an animation or a recording]

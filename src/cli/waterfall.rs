@@ -1,7 +1,7 @@
 //! `amacrine waterfall`: where the events of the float sensor go on the way to the chip, over
 //! frame rate and step by step.
 
-use std::fmt::Write;
+use std::{fmt::Write, sync::OnceLock};
 
 use miette::miette;
 
@@ -11,7 +11,7 @@ use super::{
         clip::Clip,
         heading,
         kernel_names::KernelNames,
-        light::{self, WithLight},
+        light,
         quantiser::{Total, arithmetic},
         readout::Choice,
         window::Window,
@@ -26,8 +26,7 @@ use super::{
 use crate::{
     array::Arithmetic,
     compare::fate::Fate,
-    compile::{DriveMemory, Effort},
-    event::readout::Readout,
+    compile::Effort,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
     photoreceptor::Response,
@@ -35,12 +34,12 @@ use crate::{
     rig::guard::Warning,
     scene::{Observation, Scene as _},
     study::{
+        defaults,
         design::Design,
         equivalent::{self, RUNGS},
-        together,
         waterfall::{
-            Choice as RateChoice, Fall, Question, Rate, Rates, Share, Shares, Waterfall,
-            WaterfallError, check_crossings, steps_together,
+            Answer, Asked, Choice as RateChoice, Rate, Rates, Share, Shares, Watch, Waterfall,
+            answer,
         },
     },
     unit::{frame_rate, signed},
@@ -62,7 +61,7 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Quantiser of the kernel (`amacrine quantise --help` lists them)
-    #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::arguments::quantiser::quantiser)]
+    #[arg(long, default_value = defaults::TO, value_name = "QUANTISER", value_parser = super::arguments::quantiser::quantiser)]
     to: Quantiser,
     /// Sum of the quantised kernel
     #[arg(long, value_enum, default_value_t)]
@@ -70,12 +69,12 @@ pub struct Arguments {
     #[command(flatten)]
     clip: Clip,
     /// Name of a shipped chip, or folder of your own
-    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
+    #[arg(long, default_value = defaults::CHIP, help_heading = heading::CHIP)]
     chip: Named,
     /// Number of the chip to change, such as error.noise=0.1; may be repeated
     #[arg(long = "set", value_name = "FIGURE=NUMBER", value_parser = figure, help_heading = heading::CHIP)]
     sets: Vec<(Figure, f64)>,
-    #[arg(long, default_value = "silicon", value_parser = arithmetic, help = format!("Arithmetic of the chip's cells: {}; number formats have only their own rounding, and none of the silicon's errors", Arithmetic::names()), help_heading = heading::CHIP)]
+    #[arg(long, default_value = defaults::DOMAIN, value_parser = arithmetic, help = format!("Arithmetic of the chip's cells: {}; number formats have only their own rounding, and none of the silicon's errors", Arithmetic::names()), help_heading = heading::CHIP)]
     format: Arithmetic,
     /// How events leave the chip; unless said otherwise the scan that a compiled program asks for
     #[command(flatten)]
@@ -101,7 +100,7 @@ pub struct Arguments {
     /// Number of chips, with seeds from --seed on
     ///
     /// Excludes --steps.
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps", help_heading = heading::CHIP)]
+    #[arg(long, default_value_t = defaults::WATERFALL_CHIPS, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps", help_heading = heading::CHIP)]
     chips: u64,
     /// Number of tiles of the scene on which the chips are run
     ///
@@ -145,25 +144,6 @@ fn fps(text: &str) -> Result<f64, String> {
 /// sensors of both ladders.
 pub(super) const SENSORS: usize = 21 + 2 * RUNGS.len();
 
-/// Both answers as one object.
-#[derive(serde::Serialize)]
-struct Answers<'a> {
-    /// Where there are several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    name: Option<&'a str>,
-    #[serde(flatten)]
-    steps: &'a Waterfall,
-    #[serde(flatten)]
-    rates: Option<&'a Rates>,
-}
-
-/// What became of one kernel's events.
-struct Told {
-    name: String,
-    steps: Waterfall,
-    rates: Option<Rates>,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
@@ -183,48 +163,45 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let readout = arguments.readout.open_compiled()?;
     let search = (Effort::seconds(arguments.effort), arguments.seed);
     let designs = Design::each(&kinds.kernels, &thresholds, &device, search);
-    let (memory, all) = arguments.falls(
-        (&kinds.names, &designs, kinds.memory),
-        readout.readout()?,
-        &observation,
-    )?;
-    if let (Some(path), Some(told)) = (&arguments.output, all.get(drawn)) {
-        let scene = arguments.clip.name();
-        let of = match all.len() {
-            1 => arguments.kernels.to_string(),
-            several => format!("{}, one of {several} in one program,", told.name),
-        };
-        let title = format!(
-            "Where the events of {of} in {} went: {}, threshold {}, {scene}",
-            arguments.to, arguments.chip, thresholds[drawn]
-        );
-        path.draw(&match &told.rates {
-            Some(rates) => rates.drawing(&title),
-            None => told.steps.drawing(&title),
-        })?;
+    let asked = Asked {
+        names: &kinds.names,
+        designs: &designs,
+        to: arguments.to,
+        sum: arguments.sum.into(),
+        arithmetic: arguments.format,
+        readout: readout.readout()?,
+        memory: kinds.memory,
+        choice: RateChoice {
+            rates: arguments.rates.clone(),
+            chips: arguments.chips,
+            tiles: arguments.tiles.map(usize::from),
+            within: arguments.window.within,
+        },
+        steps_alone: arguments.steps,
+    };
+    let all = arguments.answers(&asked, &device, &observation)?;
+    if let (Some(path), Some(answer)) = (&arguments.output, all.get(drawn)) {
+        path.draw(&answer.drawing(&asked.title(drawn, arguments.clip.name())))?;
     }
     if arguments.json {
-        let answers = |told: &Told| {
-            let answers = Answers {
-                name: (all.len() > 1).then_some(told.name.as_str()),
-                steps: &told.steps,
-                rates: told.rates.as_ref(),
-            };
-            serde_json::to_string(&WithLight::new(&answers, &observation))
+        let json = match &all[..] {
+            [one] => serde_json::to_string(one),
+            several => serde_json::to_string(several),
         };
-        let texts: Result<Vec<String>, _> = all.iter().map(answers).collect();
-        let texts = texts.map_err(|e| miette!("{e}"))?;
-        let json = match &texts[..] {
-            [one] => one.clone(),
-            several => format!("[{}]", several.join(",")),
-        };
+        let json = json.map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
+    super::say(&(text(&all, readout.name()) + &light::line(&observation)));
+    Ok(())
+}
+
+/// What is said of each kernel, and of their program.
+fn text(all: &[Answer], readout: &str) -> String {
     let mut text = String::new();
-    for told in &all {
-        if all.len() > 1 {
-            let _ = writeln!(text, "== {}", told.name);
+    for told in all {
+        if let Some(name) = &told.name {
+            let _ = writeln!(text, "== {name}");
         }
         let _ = writeln!(
             text,
@@ -233,23 +210,20 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         );
         text += &match &told.rates {
             Some(rates) => rate_table(&told.steps, rates),
-            None => table(&told.steps, readout.name()),
+            None => table(&told.steps, readout),
         };
         if all.len() > 1 {
             text.push('\n');
         }
     }
-    if let Some(memory) = memory {
+    if let Some(memory) = all.first().and_then(|one| one.memory.as_ref()) {
         let _ = writeln!(
             text,
-            "all {} kernels in one program, with {}; the memory rule of the float sensor is then that too",
+            "all {} kernels in one program, with {memory}; the memory rule of the float sensor is then that too",
             all.len(),
-            together::name(memory)
         );
     }
-    text += &light::line(&observation);
-    super::say(&text);
-    Ok(())
+    text
 }
 
 impl Arguments {
@@ -302,77 +276,47 @@ impl Arguments {
         })
     }
 
-    /// Where the events of each kernel go, all of them in one program; and what that remembers,
-    /// where there are several.
-    fn falls(
+    /// Where the events of each kernel go, all of them in one program.
+    fn answers(
         &self,
-        (names, designs, memory): (&[String], &[Design<'_>], Option<DriveMemory>),
-        readout: Readout,
+        asked: &Asked<'_>,
+        device: &Device,
         observation: &Observation,
-    ) -> miette::Result<(Option<DriveMemory>, Vec<Told>)> {
+    ) -> miette::Result<Vec<Answer>> {
         let open = || self.clip.open(observation);
-        let mut scene = open()?;
-        let [first, ..] = designs else {
-            return Ok((None, Vec::new()));
-        };
-        self.clip.check_fits(&*scene, first.device)?;
-        let question = Question {
-            design: *first,
-            to: self.to,
-            sum: self.sum.into(),
-            arithmetic: self.format.with_seed(self.seed),
-            readout,
-            within: self.window.at(scene.fps()),
-        };
-        budget::check_study(&*scene, SENSORS * designs.len())?;
-        let choice = RateChoice {
-            rates: self.rates.clone(),
-            chips: self.chips,
-            tiles: self.tiles.map(usize::from),
-            within: self.window.within,
-        };
-        let mut answer = || {
-            if let Some(frames) = scene.frames() {
-                choice.check(frames, scene.fps())?;
-            }
-            check_crossings(designs, &mut *open()?)?;
-            let falls = Fall::all(designs, question, memory)?;
-            let progress = Progress::new("watching", scene.frames());
-            let steps = steps_together(&falls, &mut *scene, |_| progress.tick());
-            progress.finish();
-            let steps = steps?;
-            let mut rates = Vec::new();
-            if !self.steps {
-                let progress = Progress::new("chips", None);
-                let told = |fall: &Fall<'_>| fall.rates(&choice, &open, &|| progress.tick());
-                let all: Result<Vec<Rates>, _> = falls.iter().map(told).collect();
+        let scene = open()?;
+        self.clip.check_fits(&*scene, device)?;
+        budget::check_study(&*scene, SENSORS * asked.designs.len())?;
+        let progress = Progress::new("watching", scene.frames());
+        drop(scene);
+        let chips = OnceLock::new();
+        let chip = || {
+            let begin = || {
                 progress.finish();
-                rates = all?;
-            }
-            let memory = falls.first().and_then(Fall::remembered);
-            Ok((memory, steps, rates))
+                Progress::new("chips", None)
+            };
+            chips.get_or_init(begin).tick();
         };
-        let answers: Result<_, WaterfallError> = answer();
-        let warnings = Warning::of_scene(observation, Response::IDENTITY);
-        light::warn(&warnings);
-        let (memory, steps, rates) = answers.map_err(|error| {
+        let watch = Watch {
+            open: &open,
+            observation,
+            frame: &|| progress.tick(),
+            chip: &chip,
+        };
+        let all = answer(asked, &watch);
+        progress.finish();
+        if let Some(chips) = chips.get() {
+            chips.finish();
+        }
+        light::warn(&Warning::of_scene(observation, Response::IDENTITY));
+        let all = all.map_err(|error| {
             let what = format!("no waterfall of {} on {}", self.kernels, self.chip);
             miette::Report::new(error).wrap_err(what)
         })?;
-        let mut rates = rates.into_iter();
-        let is_several = names.len() > 1;
-        let told = |(name, mut steps): (&String, Waterfall)| {
-            light::warn_of(is_several.then_some(name), &steps.warnings);
-            let mut all = warnings.clone();
-            all.append(&mut steps.warnings);
-            steps.warnings = all;
-            Told {
-                name: name.clone(),
-                steps,
-                rates: rates.next(),
-            }
-        };
-        Ok((memory, names.iter().zip(steps).map(told).collect()))
+        for answer in &all {
+            light::warn_of(answer.name.as_ref(), answer.own_warnings());
+        }
+        Ok(all)
     }
 }
 

@@ -140,7 +140,7 @@ impl<'a> Request<'a> {
     /// When there are more kernels than registers.
     pub fn new(kernels: &'a [Kernel], device: &'a Device) -> Result<Self, CompileError> {
         let all = ordinary_registers(device);
-        let Some(into) = all.get(..kernels.len()) else {
+        let (Some(into), Some(input)) = (all.get(..kernels.len()), all.first().copied()) else {
             return Err(CompileError::Registers {
                 kernels: kernels.len(),
                 needed: kernels.len(),
@@ -151,7 +151,7 @@ impl<'a> Request<'a> {
         Ok(Self {
             kernels,
             device,
-            input: all.first().copied().unwrap_or(Analog(0)),
+            input,
             into: into.to_vec(),
             keep: Vec::new(),
             border: Border::Any,
@@ -351,7 +351,7 @@ impl<'a> Request<'a> {
         (all, effort): (&[Analog], Effort),
     ) -> Result<Filter, CompileError> {
         let built = |solved: &Solved, bits, first| {
-            let place = (self.device, &self.into[..]);
+            let place = (self.device, self.input, &self.into[..]);
             let range = (self.range, self.compares_differences());
             Filter::from_solved(place, range, solved, unit, bits, first)
         };

@@ -7,7 +7,7 @@ use multiversion::multiversion;
 use crate::{
     number::Real,
     reference::{
-        Interval, MemoryRule, TrainRow,
+        Interval, TrainRow,
         drive::{Made, Parts, log_temporal},
         fire, memory,
         memory::Stepped,
@@ -93,9 +93,10 @@ impl<'a, R: Float> ForwardPass<'a, R> {
             );
         }
         let thresholds = &model.thresholds[channel];
-        let memory = match model.description.memory {
-            MemoryRule::FilteredSnap => Memory::Snaps(stored),
-            _ => Memory::Steps(Stepped::new(&stored, thresholds.equal)),
+        let memory = if model.description.memory.steps() {
+            Memory::Steps(Stepped::new(&stored, thresholds.equal))
+        } else {
+            Memory::Snaps(stored)
         };
         Cells {
             memory,

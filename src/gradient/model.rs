@@ -143,11 +143,13 @@ impl<R: Float> Model<R> {
     /// How the cells of this sensor fire.
     pub(super) fn kind(&self) -> Kind {
         let refractory = self.description.refractory;
-        match (self.description.memory, refractory.rule) {
-            (MemoryRule::FilteredSnap, _) => Kind::Snap,
-            (_, RefractoryRule::Authors) => Kind::Authors,
-            (_, RefractoryRule::DeadTime) if refractory.us > 0.0 => Kind::Dead,
-            (_, RefractoryRule::DeadTime) => Kind::Step,
+        if !self.description.memory.steps() {
+            return Kind::Snap;
+        }
+        match refractory.rule {
+            RefractoryRule::Authors => Kind::Authors,
+            RefractoryRule::DeadTime if refractory.us > 0.0 => Kind::Dead,
+            RefractoryRule::DeadTime => Kind::Step,
         }
     }
 

@@ -26,7 +26,7 @@ use std::{
     ops::{Add, Mul},
 };
 
-use super::{Device, Evidence, Figure};
+use super::{Device, Evidence, Figure, Role};
 
 /// How a chip errs. Analogue values are in LSB, the ADC's steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,32 +61,40 @@ pub struct Errors {
     pub retention_spread: f64,
 }
 
-/// What a store errs by.
-const OF_A_STORE: [Figure; 8] = [
-    Figure::TransferError,
-    Figure::StoreLoss,
-    Figure::DivisionError,
-    Figure::GainMismatch,
-    Figure::OffsetMismatch,
-    Figure::MismatchCorrelation,
-    Figure::DivisionMismatch,
-    Figure::StoreNoise,
-];
-
-/// Between which values it saturates.
-const OF_THE_RANGE: [Figure; 3] = [Figure::Lowest, Figure::Highest, Figure::Headroom];
+/// What a store errs by. Who writes a store's structure again takes it apart without `..`: a new term
+/// is then an error of the compiler there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StoreTerms {
+    /// Δ of every store, LSB.
+    pub transfer: f64,
+    /// Part of the signal that one store loses.
+    pub loss: f64,
+    /// How much more than Δ a splitting bus adds, LSB.
+    pub division: f64,
+    /// Spread of the gain of cells.
+    pub gain_mismatch: f64,
+    /// Spread of Δ of cells, LSB.
+    pub offset_mismatch: f64,
+    /// Correlation of the two.
+    pub mismatch_correlation: f64,
+    /// Spread of how unevenly a bus splits.
+    pub division_mismatch: f64,
+    /// Noise of every store, LSB.
+    pub noise: f64,
+}
 
 impl Errors {
     /// How well it is known by what a store errs: as well as the weakest of the chip's figures.
     #[must_use]
     pub fn evidence(device: &Device) -> Evidence {
-        Evidence::weakest(OF_A_STORE.map(|figure| device.figure(figure).evidence))
+        Evidence::weakest(Figure::of_a_store().map(|figure| device.figure(figure).evidence))
     }
 
     /// The same with the range within which it saturates.
     #[must_use]
     pub fn evidence_with_range(device: &Device) -> Evidence {
-        let of_the_range = OF_THE_RANGE.map(|figure| device.figure(figure).evidence);
+        let of_the_range = Figure::in_role(Role::Range);
+        let of_the_range = of_the_range.map(|figure| device.figure(figure).evidence);
         Evidence::weakest([Self::evidence(device)].into_iter().chain(of_the_range))
     }
 
@@ -112,6 +120,37 @@ impl Errors {
             decay: value(Figure::AnalogueDecay),
             retention: value(Figure::Retention),
             retention_spread: value(Figure::RetentionSpread),
+        }
+    }
+
+    /// What of them a store errs by.
+    #[must_use]
+    pub const fn of_a_store(&self) -> StoreTerms {
+        let Self {
+            transfer,
+            loss,
+            division,
+            gain_mismatch,
+            offset_mismatch,
+            mismatch_correlation,
+            division_mismatch,
+            noise,
+            input_step: _,
+            range: _,
+            reset_level: _,
+            decay: _,
+            retention: _,
+            retention_spread: _,
+        } = *self;
+        StoreTerms {
+            transfer,
+            loss,
+            division,
+            gain_mismatch,
+            offset_mismatch,
+            mismatch_correlation,
+            division_mismatch,
+            noise,
         }
     }
 
@@ -230,6 +269,43 @@ mod tests {
         assert_eq!([0, 1].map(|part| uneven(part, 2, 0)), [1.0, -1.0]);
         // Nothing is split, and there is no such split.
         assert_eq!([uneven(0, 1, 0), uneven(1, 2, 1)], [0.0; 2]);
+    }
+
+    /// Each figure changes the part of the errors that its role says, and no other.
+    #[test]
+    fn figures_have_the_part_in_errors_that_their_role_says() {
+        let device = Device::scamp5();
+        let usual = Errors::from_device(&device);
+        let of = |role: Role| {
+            let store = role.is_of_a_store();
+            [store, role == Role::Range, role == Role::Decay]
+        };
+        for figure in Figure::ALL {
+            // Halves may be refused of whole numbers and of limits.
+            let value = device.value(*figure);
+            let tried = [value / 2.0, value + 0.5, value + 1.0];
+            let other = { tried.into_iter().filter(|tried| *tried != value) }
+                .find_map(|tried| device.clone().what_if(*figure, tried).ok());
+            let Some(other) = other else {
+                assert_eq!(figure.role(), Role::None, "{figure}");
+                continue;
+            };
+            let other = Errors::from_device(&other);
+            let fades = |errors: &Errors| {
+                (
+                    errors.reset_level,
+                    errors.decay,
+                    errors.retention,
+                    errors.retention_spread,
+                )
+            };
+            let changes = [
+                usual.of_a_store() != other.of_a_store(),
+                usual.range != other.range,
+                fades(&usual) != fades(&other),
+            ];
+            assert_eq!(of(figure.role()), changes, "{figure}");
+        }
     }
 
     /// `T = -x + Δ`, `y = -T + Δ = x` without loss.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Interval;
+use super::{Interval, Role};
 use crate::{
     config::{Range, nearest},
     limit::{ARRAY_SIDE, FIGURE, STORE_WORDS},
@@ -142,9 +142,9 @@ impl FigureRange {
     }
 }
 
-/// One list: the variant, its section and key in `device.toml`, unit, range, meaning.
+/// One list: the variant, its section and key in `device.toml`, unit, range, part in errors, meaning.
 macro_rules! figures {
-    ($($(#[doc = $doc:literal])* $name:ident = $section:literal . $key:literal, $unit:literal, $range:ident;)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident = $section:literal . $key:literal, $unit:literal, $range:ident, $role:ident;)*) => {
         /// The numbers that every chip states, under `[figure.<section>]`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Figure {
@@ -194,76 +194,82 @@ macro_rules! figures {
             pub const fn range(self) -> FigureRange {
                 match self { $(Self::$name => FigureRange::$range,)* }
             }
+
+            /// What part it has in a chip's errors.
+            #[must_use]
+            pub const fn role(self) -> Role {
+                match self { $(Self::$name => Role::$role,)* }
+            }
         }
     };
 }
 
 figures! {
     /// Rows of pixels.
-    Height = "array"."height", "px", Side;
+    Height = "array"."height", "px", Side, None;
     /// Columns of pixels.
-    Width = "array"."width", "px", Side;
+    Width = "array"."width", "px", Side, None;
     /// Side of a pixel.
-    Pitch = "array"."pitch", "um", Positive;
+    Pitch = "array"."pitch", "um", Positive, None;
     /// Instruction words per second.
-    Clock = "clock"."rate", "MHz", Positive;
+    Clock = "clock"."rate", "MHz", Positive, None;
     /// Host time to start a kernel.
-    Launch = "clock"."launch", "us", NotNegative;
+    Launch = "clock"."launch", "us", NotNegative, None;
     /// Electrical power at the full instruction rate.
-    Power = "clock"."power", "W", NotNegative;
+    Power = "clock"."power", "W", NotNegative, None;
     /// Instruction words that all kernels of a program may have together.
-    Store = "store"."words", "words", Words;
+    Store = "store"."words", "words", Words, None;
     /// Bits of an instruction word.
-    WordBits = "store"."bits", "bits", Count;
+    WordBits = "store"."bits", "bits", Count, None;
     /// Lowest value of an analogue register.
-    Lowest = "range"."low", "LSB", Any;
+    Lowest = "range"."low", "LSB", Any, Range;
     /// Highest value of an analogue register.
-    Highest = "range"."high", "LSB", Any;
+    Highest = "range"."high", "LSB", Any, Range;
     /// Codes of the converter that reads analogue registers.
-    AdcCodes = "converter"."adc_codes", "codes", Codes;
+    AdcCodes = "converter"."adc_codes", "codes", Codes, None;
     /// Codes of the converter that drives the global input.
-    DacCodes = "converter"."dac_codes", "codes", Count;
+    DacCodes = "converter"."dac_codes", "codes", Count, None;
     /// How far a light level of one (of 255) moves the photodiode.
-    LightScale = "light"."scale", "LSB/level", Positive;
+    LightScale = "light"."scale", "LSB/level", Positive, None;
     /// The photodiode after a reset.
-    LightReset = "light"."reset", "LSB", Any;
+    LightReset = "light"."reset", "LSB", Any, None;
     /// Value of every analogue register off the array.
-    Edge = "edge"."analogue", "LSB", Any;
+    Edge = "edge"."analogue", "LSB", Any, None;
     /// FLAG off the array.
-    EdgeFlag = "edge"."flag", "bit", Set;
+    EdgeFlag = "edge"."flag", "bit", Set, None;
     /// Transfer error of one store; two stores cancel it.
-    TransferError = "error"."transfer", "LSB", Any;
+    TransferError = "error"."transfer", "LSB", Any, Systematic;
     /// Level towards which an analogue register decays; a register that was never written holds 0.
-    ResetLevel = "error"."reset_level", "LSB", Any;
+    ResetLevel = "error"."reset_level", "LSB", Any, Decay;
     /// Relative loss of the signal in one store.
-    StoreLoss = "error"."loss", "1", Part;
+    StoreLoss = "error"."loss", "1", Part, Systematic;
     /// Additional error of a store when the bus splits between several targets.
-    DivisionError = "error"."division", "LSB", Any;
+    DivisionError = "error"."division", "LSB", Any, Systematic;
     /// Standard deviation over the cells of the relative gain of a store.
-    GainMismatch = "error"."gain_mismatch", "1", Part;
+    GainMismatch = "error"."gain_mismatch", "1", Part, Mismatch;
     /// Standard deviation over the cells of the error of a store.
-    OffsetMismatch = "error"."offset_mismatch", "LSB", NotNegative;
+    OffsetMismatch = "error"."offset_mismatch", "LSB", NotNegative, Mismatch;
     /// Correlation over the cells between the two.
-    MismatchCorrelation = "error"."mismatch_correlation", "1", Correlation;
+    MismatchCorrelation = "error"."mismatch_correlation", "1", Correlation, Mismatch;
     /// Standard deviation over the pixels of a split bus's imbalance.
-    DivisionMismatch = "error"."division_mismatch", "1", Part;
+    DivisionMismatch = "error"."division_mismatch", "1", Part, Mismatch;
     /// Temporal noise of one store, standard deviation.
-    StoreNoise = "error"."noise", "LSB", NotNegative;
+    StoreNoise = "error"."noise", "LSB", NotNegative, Noise;
     /// How far beyond the ADC's range a register saturates.
-    Headroom = "error"."headroom", "LSB", NotNegative;
+    Headroom = "error"."headroom", "LSB", NotNegative, Range;
     /// Decay of an analogue register towards its reset level.
-    AnalogueDecay = "error"."analogue_decay", "LSB/s", NotNegative;
+    AnalogueDecay = "error"."analogue_decay", "LSB/s", NotNegative, Decay;
     /// Retention of a one-bit register: how long it holds without being written.
-    Retention = "error"."retention", "s", Positive;
+    Retention = "error"."retention", "s", Positive, Decay;
     /// Standard deviation over the cells of a longer retention, relative to it.
-    RetentionSpread = "error"."retention_spread", "1", NotNegative;
+    RetentionSpread = "error"."retention_spread", "1", NotNegative, Decay;
     /// One link of the diffusion network against the pixel's own cell: one part in so many of
     /// the difference flows in one `blur`.
-    DiffusionParts = "diffusion"."parts", "1", Links;
+    DiffusionParts = "diffusion"."parts", "1", Links, None;
     /// Result of the squarer for a sum of 1 LSB.
-    SquareGain = "squarer"."gain", "1/LSB", Any;
+    SquareGain = "squarer"."gain", "1/LSB", Any, None;
     /// How far a bit travels in one propagation, in pixels.
-    Travel = "propagation"."travel", "px", Count;
+    Travel = "propagation"."travel", "px", Count, None;
 }
 
 /// The chip has no number of this name.
@@ -284,6 +290,22 @@ impl std::fmt::Display for Figure {
 }
 
 impl Figure {
+    /// Those with this part in a chip's errors.
+    pub fn in_role(role: Role) -> impl Iterator<Item = Self> {
+        Self::ALL
+            .iter()
+            .copied()
+            .filter(move |figure| figure.role() == role)
+    }
+
+    /// Those by which a store errs.
+    pub fn of_a_store() -> impl Iterator<Item = Self> {
+        Self::ALL
+            .iter()
+            .copied()
+            .filter(|figure| figure.role().is_of_a_store())
+    }
+
     /// The one that is called `section.key`.
     ///
     /// # Errors

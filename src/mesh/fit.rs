@@ -282,7 +282,9 @@ fn distinct(target: &Plane<f64>, how: Fitting) -> Candidate {
 fn search(target: &Plane<f64>, how: Fitting) -> Candidate {
     let (least, most, count) = LAMBDAS;
     let ratio = elementary::pow(most / least, 1.0 / (count - 1) as f64);
-    let grid: Vec<f64> = (0..count).map(|i| least * ratio.powi(i as i32)).collect();
+    let grid: Vec<f64> = (0..count)
+        .map(|i| least * elementary::powi(ratio, i as u32))
+        .collect();
     // The inner products of all surrounds of the grid, the pixel itself first.
     let one = Plane::ones((GRID, GRID));
     let mut fields = vec![one];

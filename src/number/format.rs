@@ -73,8 +73,7 @@ impl FixedFormat {
     }
 
     /// The least number, and the first that is too large.
-    #[must_use]
-    pub fn ends(self) -> [f64; 2] {
+    fn ends(self) -> [f64; 2] {
         let most = (1_u64 << (self.bits - 1)) as f64 * self.step();
         [-most, most]
     }
@@ -127,6 +126,43 @@ impl Format {
     pub fn floats() -> impl Iterator<Item = Self> {
         let alike = NAMES.chunk_by(|(_, a), (_, b)| a == b);
         alike.filter_map(|names| names.first().map(|(_, format)| *format))
+    }
+
+    /// A format of each kind: the floats, and one of fixed point.
+    pub fn examples() -> impl Iterator<Item = Self> {
+        std::iter::successors(Some(Self::F64), |format| format.following())
+    }
+
+    /// The example behind one of this kind.
+    const fn following(self) -> Option<Self> {
+        match self {
+            Self::F64 => Some(Self::F32),
+            Self::F32 => Some(Self::F16),
+            Self::F16 => Some(Self::Bf16),
+            Self::Bf16 => Some(Self::Fixed(FixedFormat::new(16, 8, Overflow::Saturate))),
+            Self::Fixed(_) => None,
+        }
+    }
+
+    /// The least number and the first that is too large, of a format that saturates or wraps
+    /// beyond them; none of one whose numbers become infinite.
+    #[must_use]
+    pub fn ends(self) -> Option<[f64; 2]> {
+        match self {
+            Self::F64 | Self::F32 | Self::F16 | Self::Bf16 => None,
+            Self::Fixed(fixed) => Some(fixed.ends()),
+        }
+    }
+
+    /// Bytes of a number, by its bits alone: a run may hold it in more, as halves in an f32.
+    #[must_use]
+    pub const fn bytes(self) -> u64 {
+        match self {
+            Self::F64 => 8,
+            Self::F32 => 4,
+            Self::F16 | Self::Bf16 => 2,
+            Self::Fixed(fixed) => fixed.bits() as u64 / 8,
+        }
     }
 
     /// The names of all formats, with commas between: `f64, f32, …`, and [`FIXED`].

@@ -8,7 +8,8 @@ use crate::isa::{Callable, Cell, Device, Operand, Signature, signature::Paramete
 pub struct Sample<'a> {
     /// The form that is called.
     pub form: &'a Signature,
-    /// The form's name, with a number behind it from its second form on: one of its own.
+    /// The form's name, with a number behind it where an earlier one has the same letters: a file's
+    /// name of its own, also where `MOV` and `mov` are one file.
     pub name: String,
     /// The call, as it is written.
     pub call: String,
@@ -35,7 +36,8 @@ pub fn samples(device: &Device) -> Vec<Sample<'_>> {
         {
             continue;
         }
-        let earlier = all.iter().filter(|it| it.form.name == form.name).count();
+        let alike = |it: &&Sample<'_>| it.form.name.eq_ignore_ascii_case(&form.name);
+        let earlier = all.iter().filter(alike).count();
         let name = match earlier {
             0 => form.name.clone(),
             n => format!("{}-{}", form.name, n + 1),

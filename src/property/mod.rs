@@ -69,9 +69,11 @@
 //! ```
 
 mod agreement;
+mod sensor;
 mod strategy;
 
 pub use agreement::{
     Disagreement, Tolerance, agree, agree_sensors, assert_agrees, assert_sensors_agree,
 };
+pub use sensor::sensors;
 pub use strategy::{Clip, clips, devices, formats, kernels, programs};

@@ -90,32 +90,24 @@ pub fn formats() -> impl Strategy<Value = Arithmetic> {
         .prop_filter_map("a format", |(whole, bits)| {
             format!("q{whole}.{}", bits - whole).parse().ok()
         });
+    let others = Format::examples().filter(|format| !matches!(format, Format::Fixed(_)));
+    let others: Vec<Format> = others.collect();
     prop_oneof![
-        Just(Arithmetic::Number(Format::F64)),
-        Just(Arithmetic::Number(Format::F32)),
-        Just(Arithmetic::Number(Format::F16)),
-        Just(Arithmetic::Number(Format::Bf16)),
-        fixed,
-        any::<u64>().prop_map(|seed| Arithmetic::Silicon { seed }),
+        others.len() as u32 => select(others).prop_map(Arithmetic::Number),
+        1 => fixed,
+        1 => any::<u64>().prop_map(|seed| Arithmetic::Silicon { seed }),
     ]
 }
 
 /// What-if chips: the real one with other errors, from none to twice its own.
 pub fn devices() -> impl Strategy<Value = Device> {
-    const ERRORS: [Figure; 6] = [
-        Figure::TransferError,
-        Figure::StoreLoss,
-        Figure::DivisionError,
-        Figure::GainMismatch,
-        Figure::OffsetMismatch,
-        Figure::StoreNoise,
-    ];
-    vec(0.0..2.0f64, ERRORS.len()).prop_filter_map("a chip", |times| {
+    let count = Figure::of_a_store().count();
+    vec(0.0..2.0f64, count).prop_filter_map("a chip", |times| {
         let start = Device::scamp5();
-        let mut all = ERRORS.iter().zip(times);
+        let mut all = Figure::of_a_store().zip(times);
         all.try_fold(start, |device, (figure, times)| {
-            let value = device.value(*figure) * times;
-            device.what_if(*figure, value).ok()
+            let value = device.value(figure) * times;
+            device.what_if(figure, value).ok()
         })
     })
 }

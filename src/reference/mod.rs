@@ -42,17 +42,18 @@ mod train;
 mod voxel;
 
 pub use any_format::{AnyReference, Sinks};
+pub use bytes::StateBytes;
 pub use counts::{CountBand, Counts};
 pub use description::{
-    Border, ChangeError, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile,
-    Refractory, RefractoryRule, Threshold, keys,
+    Alone, Border, ChangeError, Channel, Description, Effect, InBetween, Influence, MemoryRule,
+    OpenError, PolarityRule, ReadFile, Refractory, RefractoryRule, Region, Stage, Threshold, keys,
 };
 pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};
 pub use noise::Noise;
 pub use report::Report;
 pub use sensor::{Reference, bands_of};
-pub use sheets::SheetDrive;
+pub use sheets::{SheetDrive, SheetSpec};
 pub use surround::{SheetRule, Surround, Surrounds};
 pub use tally::{Tally, TallyBand};
 pub use train::{BandSink, Interval, Sink, Train, TrainRow};

@@ -18,7 +18,7 @@ use crate::{
 use super::{
     any_format::{AnyReference, Sinks},
     band::{Band, IntervalInput, Plan},
-    description::{Description, MemoryRule},
+    description::Description,
     drive::differences,
     list::{Buffers, EventList, Limit},
     low_pass::LowPass,
@@ -179,6 +179,12 @@ impl<N: Number> Reference<N> {
     #[must_use]
     pub const fn description(&self) -> &Description {
         &self.plan.description
+    }
+
+    /// Bytes of its cells that must last to the next frame.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> usize {
+        self.bands.iter().map(Band::kept).sum()
     }
 
     /// Counters of the run so far.
@@ -409,7 +415,7 @@ fn lay_out_pixels<N: Number>(
             for y in band.rows.clone() {
                 let row = |row: &mut [N::Held]| {
                     band.memory_row(plan, channel, y, row);
-                    if plan.description.memory == MemoryRule::RawSnap {
+                    if plan.description.memory.is_seen_from_pixels() {
                         if 2.0 * band.most > plan.number.format().limits().1 {
                             overflowed += differences(&plan.number, band.signal.inner(y), row);
                         } else if !plan.exact.is_empty() {

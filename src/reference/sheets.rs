@@ -1,5 +1,7 @@
 //! The resistive grids of a sensor while it runs; [`super::surround`] has the equation.
 
+use std::fmt;
+
 use crate::{
     kernel::Kernel,
     mesh::{Between, Euler, Flow, MeshError, Steady},
@@ -12,7 +14,7 @@ use crate::{
 };
 
 use super::{
-    description::{Channel, Description, PolarityRule},
+    description::{Channel, Description, PolarityRule, Stage},
     signal::{Light, Photoreceptors},
     surround::{SheetRule, Surround, Surrounds},
 };
@@ -52,20 +54,20 @@ impl Sheets {
         size: Size,
         seed: u64,
     ) -> Option<Self> {
-        let running = |what: &Surrounds| Running {
-            what: what.clone(),
-            moved: Vec::new(),
-            drive: Plane::zeros(size.shape()),
-        };
+        let running = |what: &Surrounds| Running::new(what, size);
         let channels: Vec<_> = channels.map(|what| what.map(running)).collect();
         let any = channels.iter().any(Option::is_some);
-        any.then(|| Self {
+        any.then(|| Self::running(name, channels, size, seed))
+    }
+
+    fn running(name: &str, channels: Vec<Option<Running>>, size: Size, seed: u64) -> Self {
+        Self {
             name: name.to_owned(),
             seed,
             signal: Plane::zeros(size.shape()),
             before: None,
             channels,
-        })
+        }
     }
 
     /// Advances the grids by a frame.
@@ -119,19 +121,44 @@ pub struct SheetDrive {
     last: Option<f64>,
 }
 
+/// All that the drive of resistor sheets depends on, besides the light and its size: sensors that have
+/// the same see the same drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheetSpec<'a> {
+    response: Response,
+    surrounds: &'a Surrounds,
+    /// Of the noise of their resistors; 0 where they have none.
+    seed: u64,
+}
+
+impl fmt::Display for SheetSpec<'_> {
+    /// One text for each: part of what results are known by.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            response,
+            surrounds,
+            seed,
+        } = self;
+        write!(f, "{response:?} {surrounds:?} {seed}")
+    }
+}
+
 impl SheetDrive {
-    /// The sheets of a sensor's first kind of cells; none where it has none. `seed` chooses the
-    /// noise of their resistors.
+    /// The sheets at rest.
     #[must_use]
-    pub fn new(description: &Description, size: Size, seed: u64) -> Option<Self> {
-        let channels = description.channels.iter().take(1);
-        let surrounds = channels.map(|channel| channel.surrounds.as_ref());
-        Some(Self {
-            photoreceptors: Photoreceptors::new(F64, description.response),
-            sheets: Sheets::new(&description.name, surrounds, size, seed)?,
+    pub fn new(spec: SheetSpec<'_>, size: Size) -> Self {
+        let SheetSpec {
+            response,
+            surrounds,
+            seed,
+        } = spec;
+        let running = vec![Some(Running::new(surrounds, size))];
+        Self {
+            photoreceptors: Photoreceptors::new(F64, response),
+            sheets: Sheets::running("the resistor sheets", running, size, seed),
             size,
             last: None,
-        })
+        }
     }
 
     /// The drive at the time of the next frame, `[y, x]`, in the unit of the signal.
@@ -167,6 +194,19 @@ impl SheetDrive {
 }
 
 impl Description {
+    /// What the drive of the sheets of its first kind of cells depends on; none where it has none.
+    /// `seed` chooses the noise of their resistors.
+    #[must_use]
+    pub fn sheets(&self, seed: u64) -> Option<SheetSpec<'_>> {
+        let surrounds = self.channels.first()?.surrounds.as_ref()?;
+        let is_drawn = surrounds.sheets.iter().any(|sheet| sheet.noise > 0.0);
+        Some(SheetSpec {
+            response: self.response,
+            surrounds,
+            seed: if is_drawn { seed } else { 0 },
+        })
+    }
+
     /// The cells behind the resistor sheets, as a sensor that is shown the drive of the sheets
     /// ([`SheetDrive`]) in place of light: it has the same events, to the bit, where light is whole
     /// numbers from 0 to 255, or the format `f64`. None where there are no sheets, where cells see
@@ -190,7 +230,7 @@ impl Description {
         let sees_its_drive = channel.surrounds.is_some()
             && !self.memory.holds_pixels()
             && self.polarity == PolarityRule::Filtered
-            && self.noise.cutoff_hz <= 0.0
+            && !self.is_influenced(|it| it.stage == Stage::Pixel)
             && !channel.log_temporal
             && channel.kernels.iter().all(is_pixel);
         if !sees_its_drive || !format.visit(HoldsAll(&self.response)) {
@@ -212,6 +252,14 @@ impl Description {
 }
 
 impl Running {
+    fn new(what: &Surrounds, size: Size) -> Self {
+        Self {
+            what: what.clone(),
+            moved: Vec::new(),
+            drive: Plane::zeros(size.shape()),
+        }
+    }
+
     fn see(
         &mut self,
         signal: &Plane<f64>,
@@ -310,7 +358,7 @@ mod tests {
         type Output = [Packet; 2];
         fn visit<N: Number>(self, number: N) -> [Packet; 2] {
             let size = Size::of(&self.lights[0]);
-            let mut drive = SheetDrive::new(self.whole, size, 3).unwrap();
+            let mut drive = SheetDrive::new(self.whole.sheets(3).unwrap(), size);
             let drives: Vec<_> = { self.lights.iter().enumerate() }
                 .map(|(index, light)| {
                     let (index, light) = (index as u64, light.clone());

@@ -223,10 +223,15 @@ impl Surround {
         Ok(Self {
             gain: times("gain", own, gain, section.place())?,
             sheet,
-            tau: section.number("tau-us")? * 1e-6,
+            tau: from_micros(section.number("tau-us")?),
             noise,
         })
     }
+}
+
+/// A time of a file, in seconds.
+pub(super) fn from_micros(us: f64) -> f64 {
+    us * 1e-6
 }
 
 /// A factor times the channel's gain.

@@ -7,7 +7,7 @@ use crate::{
 };
 
 use super::{
-    description::{Description, MemoryRule, Threshold},
+    description::{Description, Threshold},
     reason::{Place, Reason},
 };
 
@@ -19,7 +19,7 @@ pub(crate) const fn least(nominal: f64) -> f64 {
 impl Description {
     /// Whether thresholds can be counted in this format: by their reciprocals, where a memory steps.
     pub(super) fn check_countable<N: Number>(&self, number: &N) -> Result<(), SensorError> {
-        if self.memory != MemoryRule::FilteredStep {
+        if !self.memory.crosses_levels() {
             return Ok(());
         }
         let is_counted = |threshold: f64| {

@@ -1,17 +1,12 @@
-//! What a fixed-point format cannot hold of a run: signals, and the drives that they make.
+//! What a format with ends cannot hold of a run: signals, and the drives that they make.
 
 use super::{
     guard::{About, Warning},
     saturation::{from_to, share},
 };
-use crate::{
-    number::{FixedFormat, Format},
-    photoreceptor::Response,
-    scene::Frame,
-    sensor::Overflowed,
-};
+use crate::{number::Format, photoreceptor::Response, scene::Frame, sensor::Overflowed};
 
-/// Counts the signals that a fixed-point format cannot hold.
+/// Counts the signals that a format with ends cannot hold.
 #[derive(Clone, Debug)]
 pub struct Overflow {
     format: Format,
@@ -30,17 +25,9 @@ impl Overflow {
         }
     }
 
-    /// The format, where it has ends.
-    const fn fixed(&self) -> Option<FixedFormat> {
-        match self.format {
-            Format::Fixed(fixed) => Some(fixed),
-            _ => None,
-        }
-    }
-
     /// Looks at a frame.
     pub fn see(&mut self, frame: &Frame) {
-        let Some([low, high]) = self.fixed().map(FixedFormat::ends) else {
+        let Some([low, high]) = self.format.ends() else {
             return;
         };
         let beyond = |light: &f64| {
@@ -60,7 +47,7 @@ impl Overflow {
     #[must_use]
     pub fn warning(&self, subject: &str, drives: Overflowed) -> Option<Warning> {
         let format = self.format;
-        self.fixed()?;
+        format.ends()?;
         let (low, high) = format.limits();
         let ends = from_to([low, high]);
         let signals = self.signals;

@@ -121,7 +121,7 @@ impl AtomicFile {
                         take_after(&file, old)?;
                     }
                     if durably {
-                        file.sync_all()?;
+                        folder::sync(&file)?;
                     }
                     let made = temporary.keep(&target)?;
                     if durably {

@@ -1,9 +1,8 @@
 //! Folders that are made for what is written, and synced.
 
-#[cfg(unix)]
-use std::fs::File;
 use std::{
-    fs, io,
+    fs::{self, File},
+    io,
     path::{Path, PathBuf},
 };
 
@@ -79,18 +78,29 @@ pub(super) fn sync_name(path: &Path) -> io::Result<()> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    match File::open(folder)?.sync_all() {
-        // Some file systems sync no folders; they have nothing to wait for.
-        Err(e)
-            if matches!(
-                e.kind(),
-                io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported
-            ) =>
-        {
-            Ok(())
-        }
+    sync(&File::open(folder)?)
+}
+
+/// Waits until the disk has what this file or folder holds, as far as its file system can: some
+/// sync no folders, and shares of a network that a Mac sees take no `F_FULLFSYNC`, which the
+/// standard library asks for there.
+#[cfg(unix)]
+pub(super) fn sync(file: &File) -> io::Result<()> {
+    use rustix::io::Errno;
+    let cannot = [Errno::INVAL, Errno::NOTSUP, Errno::OPNOTSUPP, Errno::NOTTY];
+    let is_refused = |e: &io::Error| Errno::from_io_error(e).is_some_and(|e| cannot.contains(&e));
+    match file.sync_all() {
+        Err(e) if is_refused(&e) => match rustix::fs::fsync(file) {
+            Err(e) if !cannot.contains(&e) => Err(e.into()),
+            _ => Ok(()),
+        },
         synced => synced,
     }
+}
+
+#[cfg(not(unix))]
+pub(super) fn sync(file: &File) -> io::Result<()> {
+    file.sync_all()
 }
 
 #[cfg(not(unix))]

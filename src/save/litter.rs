@@ -5,8 +5,7 @@ use std::{ffi::OsStr, fs, io, path::Path};
 use super::temporary::{PREFIX, SUFFIX};
 
 /// Whether a name in a folder is one that this program gives to what has no name yet.
-#[must_use]
-pub fn is_temporary(name: &OsStr) -> bool {
+fn is_temporary(name: &OsStr) -> bool {
     let parts = name.to_str().and_then(|name| {
         name.strip_prefix(PREFIX)?
             .strip_suffix(SUFFIX)?

@@ -62,6 +62,7 @@ pub use self::{
         observed::{Observation, Observed},
         playback::Unlike,
         repeated_frames::Repeated,
+        seen_light::SeenLight,
     },
     open::{Reopen, image_of_pattern, open},
     options::OpenOptions,

@@ -3,6 +3,8 @@
 pub mod all_events;
 pub mod balance;
 pub mod cells;
+pub mod comparison;
+pub mod defaults;
 pub mod design;
 pub mod equivalent;
 mod error;
@@ -14,6 +16,7 @@ pub mod front;
 pub mod joint;
 pub mod pilot;
 pub mod quantisation;
+pub mod quantised;
 pub mod rate;
 pub mod remade;
 pub mod report;
@@ -25,5 +28,7 @@ pub mod sweep;
 pub mod together;
 pub mod trade;
 pub mod waterfall;
+mod with_light;
 
 pub use error::StudyError;
+pub use with_light::WithLight;

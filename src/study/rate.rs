@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use crate::{
     elementary,
     kernel::Kernel,
-    reference::{AnyReference, Channel, Description, Reference, Sinks, Tally},
+    reference::{Alone, AnyReference, Channel, Description, Effect, Reference, Sinks, Tally},
     rig,
     scene::{Reopen, Scene, SceneError},
     sensor::SensorError,
-    study::pilot::{Choice, Effect},
+    study::pilot::Choice,
 };
 
 /// What thresholds are to be multiplied by, and what comes of it.
@@ -71,16 +71,14 @@ pub enum RateError {
 }
 
 /// What keeps a rate out of reach; as text, what to do about it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Bound {
     /// Noise alone is more: so many events per pixel and second.
     Noise {
         /// Of all noise together.
         alone: f64,
-        /// Whether there is shot noise, or a hot cell.
-        fires: bool,
-        /// Whether the memory leaks.
-        leaks: bool,
+        /// What makes them.
+        effects: Vec<Effect>,
     },
     /// The cells are silent for so many microseconds after each event.
     DeadTime(f64),
@@ -96,8 +94,7 @@ impl Bound {
         if quiet < asked {
             Self::Noise {
                 alone: least - quiet,
-                fires: description.noise.fires(),
-                leaks: description.noise.leak_hz > 0.0,
+                effects: alone(description).collect(),
             }
         } else {
             Self::Light
@@ -120,19 +117,13 @@ impl Bound {
 
 impl fmt::Display for Bound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Noise {
-                alone,
-                fires,
-                leaks,
-            } => {
-                let effects = [(fires, Effect::NoiseEvents), (leaks, Effect::Leak)];
-                let keys = effects.into_iter().filter(|(is, _)| *is);
-                let keys: Vec<_> = keys.map(|(_, effect)| effect.word()).collect();
+        match self {
+            Self::Noise { alone, effects } => {
+                let keys: Vec<_> = effects.iter().map(|effect| effect.word()).collect();
                 write!(
                     f,
                     "noise alone makes {}, whatever the thresholds: give a higher rate, or leave it out (--without {})",
-                    up(alone),
+                    up(*alone),
                     keys.join(",")
                 )
             }
@@ -322,10 +313,16 @@ fn search(
     Ok(rated(&octaves, &rates))
 }
 
+/// Its effects that make events which no light causes, whatever the thresholds.
+fn alone(description: &Description) -> impl Iterator<Item = Effect> {
+    let effects = description.effects().into_iter();
+    effects.filter(|effect| effect.influence().alone == Alone::AtAnyThreshold)
+}
+
 /// The same sensor without events that no light causes.
 fn without_noise(description: &Description) -> Description {
-    let choice = Choice::full().and_without(Effect::NoiseEvents);
-    choice.and_without(Effect::Leak).plainer(description)
+    let choice = alone(description).fold(Choice::full(), Choice::and_without);
+    choice.plainer(description)
 }
 
 /// How many frames a scene of two or more has after its first, a second.
@@ -540,10 +537,11 @@ mod tests {
         };
         // 5 events/s of shot noise in the dark, a quarter of it at white; 0.1 of leak.
         let noise = bound("dvs-noisy", 0.5);
-        let Bound::Noise { alone, .. } = noise else {
+        let Bound::Noise { alone, effects } = &noise else {
             panic!("{noise:?}");
         };
-        assert!((1.3..5.2).contains(&alone), "{alone}");
+        assert!((1.3..5.2).contains(alone), "{alone}");
+        assert_eq!(effects[..], [Effect::NoiseEvents, Effect::Leak]);
         assert!(noise.to_string().contains("--without noise-events,leak"));
         assert_eq!(bound("dvs", 1e9), Bound::DeadTime(500.0));
         let mut sensor = Description::open("dvs").unwrap();

@@ -5,6 +5,7 @@
  * SHIM_STDOUT  whether writes to descriptor 1 count, and nothing else does
  * SHIM_AT      which operation fails, from 1; 0: none
  * SHIM_HOW     enospc, eio, epipe, or short: half is written, then there is no space
+ * SHIM_NOSYNC  whether no file and no folder can be synced, as on some shares of a network
  * SHIM_LOG     a file that gets a line for each operation
  * SHIM_DATA    whether the log also has what was written, in hexadecimal
  */
@@ -24,7 +25,7 @@
 #include <unistd.h>
 
 static const char *under = "";
-static int only_stdout, with_data, how, full, logfd = -1;
+static int only_stdout, with_data, no_sync, how, full, logfd = -1;
 static long at, count;
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
@@ -35,6 +36,7 @@ __attribute__((constructor)) static void begin(void) {
   if ((text = getenv("SHIM_UNDER"))) under = text;
   only_stdout = getenv("SHIM_STDOUT") != NULL;
   with_data = getenv("SHIM_DATA") != NULL;
+  no_sync = getenv("SHIM_NOSYNC") != NULL;
   if ((text = getenv("SHIM_AT"))) at = atol(text);
   text = getenv("SHIM_HOW");
   how = !text ? 0
@@ -212,6 +214,10 @@ static int synced(const char *name, int fd, long number) {
   char path[PATH_MAX];
   if (!only_stdout && of_descriptor(path, fd) && inside(path)) {
     if (operation(name, path)) return -1;
+    if (no_sync) {
+      errno = ENOTSUP;
+      return -1;
+    }
     int result = syscall(number, fd);
     if (!result) done("sync\t%s\n", path);
     return result;

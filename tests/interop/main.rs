@@ -225,6 +225,7 @@ fn h5py_reads_our_voxels() {
         let files = [("npy", Container::Npy), ("h5", Container::Hdf5)];
         for (ending, container) in files {
             let layers = Layers {
+                name: "voxels",
                 shape: shape.clone(),
                 precision,
                 kinds: vec!["centre-on".to_owned(), "kind é".to_owned()],

@@ -112,6 +112,14 @@ pub const CASES: &[Case] = &[
     ),
     case("voxels ../in/events.npy -o v.npy --window 50us", "v.npy"),
     case("voxels ../in/events.npy -o v.npz --window 50us", "v.npz"),
+    case(
+        "voxels ../in/events.npy -o s.h5 --as surfaces --every 50us --tau 80us",
+        "s.h5",
+    ),
+    case(
+        "voxels ../in/events.npy -o f.npy --as frames --count 7",
+        "f.npy",
+    ),
     case("show ../in/events.npy -o s.svg --view rate", "s.svg"),
     case(
         "show ../in/events.npy -o s.gif --view frame --window 50us",

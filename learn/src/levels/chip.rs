@@ -11,7 +11,7 @@ use std::{
 use amacrine::{
     compile::{CellKind, DriveMemory, Effort, FilterNoise, Request, SensorProgram, Signal},
     elementary,
-    isa::{Device, Figure},
+    isa::{Device, Errors, StoreTerms},
     kernel::Kernel,
 };
 
@@ -59,7 +59,20 @@ pub struct OnChip {
 /// thresholds; a filter's own mismatch is in the drive and in the memory of it alike.
 #[must_use]
 pub fn memory_spread(device: &Device) -> f64 {
-    std::f64::consts::SQRT_2 * device.value(Figure::OffsetMismatch)
+    let StoreTerms {
+        offset_mismatch,
+        // Alike in all cells.
+        transfer: _,
+        loss: _,
+        division: _,
+        // In the drive and in the memory of it alike.
+        gain_mismatch: _,
+        mismatch_correlation: _,
+        division_mismatch: _,
+        // Another in each frame.
+        noise: _,
+    } = Errors::from_device(device).of_a_store();
+    std::f64::consts::SQRT_2 * offset_mismatch
 }
 
 impl Chip {
@@ -148,16 +161,10 @@ impl Chip {
             });
         }
         let request = self.request(&kernels)?;
-        let input = request.input;
         let sensor = SensorProgram::new(&cells, DriveMemory::Analogue, "learned", &request)?;
-        let noise = sensor
-            .filter
-            .noise(&self.device, input, FilterNoise::MIDDLE, &sensor.drives);
+        let noise = sensor.filter.noise(&self.device, FilterNoise::MIDDLE);
         let signal = Signal::from_range((0.0, 2.0 * FilterNoise::MIDDLE - 1.0));
-        let forecasts =
-            sensor
-                .filter
-                .forecast(&self.device, (input, &sensor.drives), &kernels, signal);
+        let forecasts = sensor.filter.forecast(&self.device, &kernels, signal);
         Ok(OnChip {
             correlation: { forecasts.iter() }
                 .map(|forecast| forecast.correlation)

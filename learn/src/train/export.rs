@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use amacrine::{plane::Plane, reference::Description, save};
+use amacrine::{config::on_one_line, plane::Plane, reference::Description, save};
 use ndarray_npy::WriteNpyExt;
 
 use super::error::TrainError;
@@ -39,7 +39,7 @@ pub fn sensor_text(sensor: &Description, source: &str) -> String {
     let text = sensor.to_toml();
     // After the name, which comes first.
     let (name, rest) = text.split_once('\n').unwrap_or((&text, ""));
-    format!("{name}\nsource = {source:?}\n{rest}")
+    format!("{name}\nsource = {}\n{rest}", on_one_line(source))
 }
 
 /// A program's text with what is to be said of it, before what it computes.

@@ -10,10 +10,7 @@ use miette::{IntoDiagnostic, Report};
 use pyo3::prelude::*;
 
 use super::{Named, Search, Shown, device, open_on, quantisers, sighted};
-use crate::{
-    chip::{effort, named},
-    error::raised,
-};
+use crate::chip::{effort, named};
 
 /// Sensors, each compiled and run: as JSON, with the texts of their files.
 #[pyfunction]
@@ -35,7 +32,7 @@ pub fn design(
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
     let (sum, device) = (named(sum_to)?, device(chip)?);
-    let answer = source.study(py, Response::IDENTITY, || {
+    source.answer(py, Response::IDENTITY, || {
         open_on(&source, &device)?;
         let question = Question {
             title: "design",
@@ -51,15 +48,13 @@ pub fn design(
             within: within_us.map(Micros),
         };
         let found = explore(&question, &|| source.open(), &|_, _| (), |_| ())?;
-        let mut json = serde_json::to_value(&found).into_diagnostic()?;
-        let taken = &found.candidates[found.knee.unwrap_or(0)];
-        json["warnings"] =
-            serde_json::to_value(found.doubts(&question, taken)?).into_diagnostic()?;
+        let picked = found.knee.unwrap_or(0);
+        let answer = found.answer(&question, picked, source.name(), source.observation())?;
+        let mut json = serde_json::to_value(&answer).into_diagnostic()?;
         for (i, candidate) in found.candidates.iter().enumerate() {
             json["candidates"][i]["sensor"] = candidate.sensor.to_toml().into();
             json["candidates"][i]["program"] = candidate.program.clone().into();
         }
         Ok::<_, Report>(json.to_string())
-    })?;
-    answer.map_err(raised)
+    })
 }

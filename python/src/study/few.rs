@@ -1,19 +1,20 @@
 //! Kernels in few values, alone and on a chip.
 
 use amacrine::{
+    compile::DriveMemory,
     kernel::{
         Kernel,
-        quantise::{Erasure, Quantiser, Sum, Summary},
+        quantise::{Quantised, Quantiser, Sum},
     },
     photoreceptor::Response,
-    rig::guard::Warning,
-    study::{design::Design, quantisation},
+    study::quantised::{self, Answer, Row, Watch},
+    unit::Micros,
 };
 use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, check, device, kernel, open_on, quantisers, within};
+use super::{Named, Search, Shown, device, kernel, open_on, quantisers};
 use crate::{
     chip::{effort, named},
     error::{raised, refused},
@@ -21,11 +22,10 @@ use crate::{
 };
 
 /// A kernel in few values.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 struct Few {
-    to: String,
     #[serde(flatten)]
-    summary: Summary,
+    row: Row,
     erased: Vec<String>,
 }
 
@@ -46,106 +46,90 @@ pub fn quantise(
         ));
     }
     let seed = seed.unwrap_or(0);
-    let each = of.iter().map(|named| few(named, &to, sum, seed));
-    json(&each.collect::<PyResult<Vec<_>>>()?)
+    let few = |named: &Named| {
+        let kernel = kernel(named)?;
+        let each = to
+            .iter()
+            .map(|to| few((&named.0, &kernel), (*to, sum, seed)));
+        Ok(each.collect::<PyResult<Vec<_>>>()?.concat())
+    };
+    json(&of.iter().map(few).collect::<PyResult<Vec<_>>>()?)
 }
 
-/// A kernel in the values of each quantiser.
-fn few(named: &Named, to: &[Quantiser], sum: Sum, seed: u64) -> PyResult<Vec<Few>> {
-    let kernel = kernel(named)?;
-    let mut all = Vec::new();
-    for to in to {
-        let quantised = to.quantise(&kernel, sum, seed).map_err(|error| {
-            let what = format!("{} cannot be {to}", named.0);
-            raised(Report::new(error).wrap_err(what))
-        })?;
-        all.push(Few {
-            to: to.to_string(),
-            summary: Summary::new(&kernel, &quantised),
-            erased: { quantised.erasures(&kernel).into_iter() }
-                .map(|erasure| erasure.to_string())
-                .collect(),
-        });
-    }
-    Ok(all)
+/// A kernel in the values of one quantiser; an error where it is not to be had in them.
+fn few(
+    (name, kernel): (&String, &Kernel),
+    (to, sum, seed): (Quantiser, Sum, u64),
+) -> PyResult<Vec<Few>> {
+    let asked = quantised::Asked {
+        names: std::slice::from_ref(name),
+        kernels: std::slice::from_ref(kernel),
+        to: &[to],
+        sum,
+        seed,
+    };
+    let kinds = asked.kinds().map_err(raised)?;
+    let rows = kinds
+        .iter()
+        .flat_map(|kind| kind.quantised.iter().zip(kind.good()));
+    let few = |(row, few): (&Row, &Quantised)| Few {
+        row: row.clone(),
+        erased: { few.erasures(kernel).into_iter() }
+            .map(|erasure| erasure.to_string())
+            .collect(),
+    };
+    Ok(rows.map(few).collect())
 }
 
-/// A kernel in the values of one quantiser, or why it is not to be had in them.
-#[derive(Serialize)]
-pub struct Row {
-    to: String,
-    #[serde(flatten)]
-    summary: Option<Summary>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    refused: Option<String>,
+/// What is asked of kernels on a chip.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Asked {
+    kernels: Vec<Named>,
+    thresholds: Vec<f64>,
+    to: Vec<String>,
+    memory: Option<String>,
+    within_us: Option<u64>,
 }
 
-impl Row {
-    /// The row, and what few values have erased.
-    pub fn new(kernel: &Kernel, to: Quantiser, sum: Sum, seed: u64) -> (Self, Vec<Erasure>) {
-        let few = to.quantise(kernel, sum, seed);
-        let erased = few.iter().flat_map(|few| few.erasures(kernel)).collect();
-        let summary = few.as_ref().map(|few| Summary::new(kernel, few));
-        let row = Self {
-            to: to.to_string(),
-            refused: summary.as_ref().err().map(ToString::to_string),
-            summary: summary.ok(),
-        };
-        (row, erased)
-    }
-}
-
-/// A kernel, each quantiser of it, and each on the chip.
-#[derive(Serialize)]
-struct OnChip {
-    kernel: Vec<Vec<f64>>,
-    sum: f64,
-    quantised: Vec<Row>,
-    chip: quantisation::Answer,
-    warnings: Vec<Warning>,
-}
-
-/// Each quantiser compiled and run beside the float kernel.
+/// Each quantiser compiled and run beside the float kernel; several kernels in one program.
 #[pyfunction]
 pub fn on_chip(
     py: Python<'_>,
-    of: Named,
-    to: Vec<String>,
-    threshold: f64,
+    asked: Asked,
     search: Search<'_>,
     scene: Shown<'_>,
-    within_us: Option<u64>,
 ) -> PyResult<String> {
     let (sum_to, chip, seconds, seed) = search;
-    let (kernel, quantisers) = (kernel(&of)?, quantisers(to)?);
-    let (sum, device) = (named(sum_to)?, device(chip)?);
-    check(threshold)?;
+    let kernels: Vec<Kernel> = asked.kernels.iter().map(kernel).collect::<PyResult<_>>()?;
+    let names: Vec<String> = { asked.kernels.iter() }
+        .map(|(name, _)| name.clone())
+        .collect();
+    let memory: Option<DriveMemory> = asked.memory.as_deref().map(named).transpose()?;
+    let (to, sum, device) = (quantisers(asked.to)?, named(sum_to)?, device(chip)?);
     let source = scene.source()?;
-    let effort = effort(seconds, source.stop())?;
-    let answer = source.study(py, Response::IDENTITY, || {
-        let fps = open_on(&source, &device)?.fps();
-        let question = quantisation::Question {
-            design: Design {
-                kernel: &kernel,
-                threshold,
-                device: &device,
-                effort,
-                seed,
-            },
-            quantisers: &quantisers,
-            sum,
-            within: within(within_us, fps),
+    let chip = quantised::OnChip {
+        thresholds: &asked.thresholds,
+        device: &device,
+        effort: effort(seconds, source.stop())?,
+        memory,
+        within: asked.within_us.map(Micros),
+    };
+    let question = quantised::Asked {
+        names: &names,
+        kernels: &kernels,
+        to: &to,
+        sum,
+        seed,
+    };
+    let answer: Answer = source.answer(py, Response::IDENTITY, || {
+        open_on(&source, &device)?;
+        let watch = Watch {
+            open: &|| source.open(),
+            observation: source.observation(),
+            frame: &|| (),
         };
-        quantisation::ask(&question, &|| source.open(), |_| ()).map_err(Report::new)
+        quantised::answer(&question, Some(&chip), &watch).map_err(Report::new)
     })?;
-    let answer = answer.map_err(|report: Report| raised(report))?;
-    json(&OnChip {
-        kernel: kernel.rows(),
-        sum: kernel.sum(),
-        quantised: { quantisers.iter() }
-            .map(|to| Row::new(&kernel, *to, sum, seed).0)
-            .collect(),
-        warnings: answer.warnings.clone(),
-        chip: answer,
-    })
+    json(&answer)
 }

@@ -6,7 +6,6 @@ mod few;
 mod filter;
 mod front;
 mod page;
-mod several;
 
 pub use exploration::design;
 pub use fall::waterfall;
@@ -14,7 +13,6 @@ pub use few::{on_chip, quantise};
 pub use filter::compile_filter;
 pub use front::{trade, trade_program};
 pub use page::feasibility;
-pub use several::on_chip_together;
 
 use amacrine::{
     compare::window,
@@ -100,16 +98,6 @@ fn scan() -> Result<Readout, ReadoutError> {
 
 /// How long to search, on which chip, with which seed.
 pub type Search<'a> = (&'a str, &'a str, f64, u64);
-
-fn check(threshold: f64) -> PyResult<()> {
-    if threshold > 0.0 && threshold.is_finite() {
-        return Ok(());
-    }
-    Err(refused(
-        format!("the threshold is {threshold}"),
-        "give a positive number, in units of kernel times light (0 to 255)",
-    ))
-}
 
 fn within(asked: Option<u64>, fps: f64) -> Micros {
     asked.map_or_else(|| window::headline(fps), Micros)

@@ -4,6 +4,7 @@ use amacrine::{
     photoreceptor::Response,
     rig::guard::Warning,
     study::{
+        WithLight, defaults,
         feasibility::{self as feasible, AtRate, readout::ReadoutOrder},
         report,
     },
@@ -15,7 +16,8 @@ use pyo3::prelude::*;
 use super::{Named, Search, Shown, device, quantisers, scan, sighted, within};
 use crate::{
     chip::{effort, named, quantiser},
-    error::{raised, refused},
+    error::refused,
+    files::json,
 };
 
 /// Whether kernels can run on a chip: the answer as JSON, and as a page.
@@ -39,7 +41,7 @@ pub fn feasibility(
     let kernels = of.iter().map(sighted).collect::<PyResult<Vec<_>>>()?;
     let to = to.map(quantiser).transpose()?;
     let candidates = if candidates.is_empty() {
-        feasible::CANDIDATES.split(',').map(quantiser).collect()
+        defaults::CANDIDATES.split(',').map(quantiser).collect()
     } else {
         quantisers(candidates)
     }?;
@@ -49,7 +51,7 @@ pub fn feasibility(
     }
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
-    let answer = source.work(py, || {
+    let (answer, page) = source.answer(py, Response::IDENTITY, || {
         let fps = source.open()?.fps();
         let (rate, thresholds) = aim;
         let found = if let Some(rate) = rate {
@@ -94,9 +96,8 @@ pub fn feasibility(
         let mut warnings = Warning::of_scene(observation, Response::IDENTITY);
         warnings.extend(found.missed);
         reply.saw(&warnings, observation.words().as_deref());
-        Ok((serde_json::to_string(&reply), report::page(&reply)))
+        let told = json(&WithLight::new(&reply, observation));
+        Ok((told, report::page(&reply)))
     })?;
-    let (answer, page) = answer.map_err(|report: Report| raised(report))?;
-    let answer = answer.map_err(|cause| refused(cause, "report this"))?;
-    Ok((answer, page))
+    Ok((answer?, page))
 }

@@ -3,6 +3,7 @@
 pub(in crate::cli) const CHIP: &str = "Chip";
 pub(in crate::cli) const COMPARISON: &str = "Comparison";
 pub(in crate::cli) const FILTER: &str = "Filter alone";
+pub(in crate::cli) const FRAMES: &str = "Event frames";
 pub(in crate::cli) const INPUT: &str = "Input";
 pub(in crate::cli) const MODELS: &str = "Plainer models";
 pub(in crate::cli) const OUTPUT: &str = "Output";
@@ -14,3 +15,5 @@ pub(in crate::cli) const RESOURCES: &str = "Resources";
 pub(in crate::cli) const SCENE: &str = "Scene";
 pub(in crate::cli) const SEARCH: &str = "Search";
 pub(in crate::cli) const SENSOR: &str = "Sensor";
+pub(in crate::cli) const SURFACES: &str = "Time surfaces";
+pub(in crate::cli) const VOXELS: &str = "Voxels";

@@ -4,7 +4,6 @@
 use std::fmt::Write as _;
 
 use miette::miette;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{budget, heading, recording};
@@ -204,16 +203,7 @@ pub fn line(observation: &Observation) -> String {
 
 /// The same for machines.
 pub fn json(observation: &Observation) -> Value {
-    let Some(light) = observation.light() else {
-        return Value::Null;
-    };
-    let mut json = json!(light);
-    let (least, most) = observation.extent().unzip();
-    json["least"] = json!(least);
-    json["most"] = json!(most);
-    json["assumed_fps"] = json!(observation.assumed_fps());
-    json["cuts"] = json!(observation.cuts());
-    json
+    json!(observation.seen_light())
 }
 
 /// Refuses a scene of no frame.
@@ -244,23 +234,5 @@ pub fn warn_of(kernel: Option<&String>, warnings: &[Warning]) {
     let of = kernel.map_or(String::new(), |name| format!("{name}: "));
     for warning in warnings {
         complain(&format!("warning: {of}{warning}\n"));
-    }
-}
-
-/// An answer for machines, and what is said of its light.
-#[derive(Serialize)]
-pub struct WithLight<'a, T> {
-    #[serde(flatten)]
-    answer: &'a T,
-    light: Value,
-}
-
-impl<'a, T: Serialize> WithLight<'a, T> {
-    /// The answer with it.
-    pub fn new(answer: &'a T, observation: &Observation) -> Self {
-        Self {
-            answer,
-            light: json(observation),
-        }
     }
 }

@@ -5,8 +5,8 @@ use std::str::FromStr;
 use super::heading;
 use crate::{
     array::Arithmetic,
-    reference::Description,
-    study::pilot::{Effect, ErrorTerm, Machine, UnknownPart, left_out},
+    reference::{Description, Effect},
+    study::pilot::{ErrorTerm, Machine, UnknownPart, left_out},
 };
 
 /// `--without` of `amacrine run`.

@@ -3,11 +3,10 @@
 mod headline;
 mod ladder;
 
-use std::path::Path;
+use std::{cell::RefCell, path::Path};
 
-use miette::miette;
+use miette::{Report, miette};
 
-use self::headline::{Flagged, Headline};
 use super::{
     arguments::{
         clip::Clip,
@@ -18,17 +17,11 @@ use super::{
     output::{content::Content, files, progress::Progress},
 };
 use crate::{
-    compare::{
-        Comparison, Pair,
-        counts::Kind,
-        equality::Side,
-        score::{Scales, Score, scores_beside},
-        window::Redraws,
-    },
+    compare::{Comparison, counts::Kind, equality::Side},
     event::file::Loaded,
-    plane::Size,
-    rig::guard::Warning,
     scene::{Observation, Scene as _},
+    stop::Stop,
+    study::comparison::{self, Asked, Frames, Ruler},
     unit::fixed,
 };
 
@@ -90,57 +83,42 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut judged = of_b.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
-    let progress = Progress::spinner("comparing");
-    let pair = Pair::new(&reference.packet, &judged.packet)?;
-    let redraws = Redraws::new(&pair, arguments.seed);
-    let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
-    progress.finish();
-    if let Some(sensor) = &arguments.sensor {
-        let packets = [&reference.packet, &judged.packet];
-        let equivalent = arguments.equivalent(sensor, packets, headline.window())?;
-        headline = headline.with(equivalent);
-    }
-    let progress = Progress::spinner("comparing");
-    let curve = headline.curve(&pair, &redraws);
-    let loaded = [&reference, &judged];
-    let comparison = Comparison::of_loaded(&pair, headline.window(), loaded);
-    let warnings = headline.warnings([&reference.packet, &judged.packet]);
-    light::warn(&warnings);
-    let mut scales = Scales {
+    let asked = Asked {
+        within: arguments.window.within,
+        frames: arguments.frames()?,
         bins: arguments.bins.into(),
         seed: arguments.seed,
-        ..Scales::default()
+        stop: Stop::NEVER,
     };
-    scales.within.push(headline.window());
-    scales.within.sort_unstable();
-    scales.within.dedup();
-    let ruler = Ruler {
-        scores: scores_beside(&pair, &scales, &redraws),
-        scales,
-    };
-    progress.finish();
+    let progress = RefCell::new(Progress::spinner("comparing"));
+    let sides = [
+        (arguments.a.as_ref(), &reference),
+        (arguments.b.as_ref(), &judged),
+    ];
+    let answer = comparison::answer(sides, asked, |packets, window| {
+        let Some(sensor) = &arguments.sensor else {
+            return Ok(None);
+        };
+        progress.borrow().finish();
+        let equivalent = arguments.equivalent(sensor, packets, window)?;
+        progress.replace(Progress::spinner("comparing"));
+        Ok::<_, Report>(Some(equivalent))
+    })?;
+    progress.borrow().finish();
+    light::warn(&answer.warnings);
     if let Some(path) = &arguments.output {
-        path.draw(&headline.drawing(arguments, &curve))?;
+        path.draw(&headline::drawing(&answer, arguments))?;
     }
     if arguments.json {
-        let json = Json {
-            reference: FileJson::new(&arguments.a, &reference),
-            judged: FileJson::new(&arguments.b, &judged),
-            headline: &headline,
-            curve: &curve,
-            comparison: &comparison,
-            ruler: &ruler,
-            warnings: &warnings,
-        };
-        let json = serde_json::to_value(&json).map_err(|e| miette::miette!("{e}"))?;
+        let json = serde_json::to_value(&answer).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
-        super::say(&headline.line());
-        super::say(&headline.tuned());
-        super::say(&headline::table(&curve));
+        super::say(&headline::line(&answer.headline));
+        super::say(&headline::tuned(&answer.headline));
+        super::say(&headline::table(&answer.curve));
         super::say(&head(arguments, &reference, &judged));
-        super::say(&table(&comparison, &reference));
-        super::say(&ruler.table());
+        super::say(&table(&answer.comparison, &reference));
+        super::say(&metrics(&answer.ruler));
     }
     Ok(())
 }
@@ -163,102 +141,41 @@ impl Arguments {
     }
 
     /// Frames a second, where they are said or a scene is shown.
-    fn fps(&self) -> miette::Result<Option<f64>> {
-        match self.sensor {
-            Some(_) => Ok(Some(self.shown(&Observation::new())?.fps())),
-            None => Ok(self.clip.fps()),
-        }
+    fn frames(&self) -> miette::Result<Frames> {
+        Ok(match (&self.sensor, self.clip.fps()) {
+            (Some(_), _) => Frames::Shown(self.shown(&Observation::new())?.fps()),
+            (None, Some(fps)) => Frames::Said(fps),
+            (None, None) => Frames::Unknown,
+        })
     }
 }
 
-/// The comparison for machines.
-#[derive(serde::Serialize)]
-struct Json<'a> {
-    reference: FileJson<'a>,
-    judged: FileJson<'a>,
-    headline: &'a Headline,
-    curve: &'a [Flagged],
-    #[serde(flatten)]
-    comparison: &'a Comparison,
-    ruler: &'a Ruler,
-    warnings: &'a [Warning],
-}
-
-/// Every metric, and what it says of the identical packet, of a redraw and of a permutation.
-struct Ruler {
-    scales: Scales,
-    scores: Vec<Score>,
-}
-
-impl serde::Serialize for Ruler {
-    /// `bins`, `seed`, and by the key of each metric what it is.
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        use serde::ser::SerializeMap;
-
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("bins", &self.scales.bins)?;
-        map.serialize_entry("seed", &self.scales.seed)?;
-        for score in &self.scores {
-            map.serialize_entry(&score.metric.key(), &ScoreJson::new(score))?;
-        }
-        map.end()
+/// The scores for people, one a row.
+fn metrics(ruler: &Ruler) -> String {
+    let mut rows = vec![format!(
+        "\n{:<26}{:>11}{:>11}{:>11}{:>11}{:>7}  blind to",
+        "metric", "judged", "identical", "redraw", "permuted", "lost"
+    )];
+    for score in &ruler.scores {
+        let values = [score.value, score.identical, score.redraw, score.permuted];
+        let [value, identical, redraw, permuted] = values.map(number);
+        let lost =
+            { score.lost() }.map_or_else(|| "-".into(), |lost| fixed(100.0 * lost, 0) + " %");
+        let name = score.metric.to_string();
+        let blind = score.metric.entry().blind_to;
+        let row = format!(
+            "{name:<26}{value:>11}{identical:>11}{redraw:>11}{permuted:>11}{lost:>7}  {blind}"
+        );
+        rows.push(row.trim_end().to_owned());
     }
-}
-
-/// One metric for machines; a value that there is not is null.
-#[derive(serde::Serialize)]
-struct ScoreJson {
-    value: Option<f64>,
-    identical: Option<f64>,
-    redraw: Option<f64>,
-    permuted: Option<f64>,
-    lost: Option<f64>,
-    symmetric: bool,
-    blind_to: &'static str,
-}
-
-impl ScoreJson {
-    fn new(score: &Score) -> Self {
-        Self {
-            value: score.value,
-            identical: score.identical,
-            redraw: score.redraw,
-            permuted: score.permuted,
-            lost: score.lost(),
-            symmetric: score.metric.entry().symmetric,
-            blind_to: score.metric.entry().blind_to,
-        }
-    }
-}
-
-impl Ruler {
-    /// The scores for people, one a row.
-    fn table(&self) -> String {
-        let mut rows = vec![format!(
-            "\n{:<26}{:>11}{:>11}{:>11}{:>11}{:>7}  blind to",
-            "metric", "judged", "identical", "redraw", "permuted", "lost"
-        )];
-        for score in &self.scores {
-            let values = [score.value, score.identical, score.redraw, score.permuted];
-            let [value, identical, redraw, permuted] = values.map(number);
-            let lost =
-                { score.lost() }.map_or_else(|| "-".into(), |lost| fixed(100.0 * lost, 0) + " %");
-            let name = score.metric.to_string();
-            let blind = score.metric.entry().blind_to;
-            let row = format!(
-                "{name:<26}{value:>11}{identical:>11}{redraw:>11}{permuted:>11}{lost:>7}  {blind}"
-            );
-            rows.push(row.trim_end().to_owned());
-        }
-        rows.push(format!(
-            "\nidentical: the reference against itself. redraw: the same counts in every cell, at\n\
+    rows.push(format!(
+        "\nidentical: the reference against itself. redraw: the same counts in every cell, at\n\
              times of other cells. permuted: the same times at wrong pixels. lost: the way from\n\
              identical to redraw. Distances are per event; voxels have {} bins. The interval\n\
              divergence is blind to wrong pixels: never use it alone.",
-            self.scales.bins
-        ));
-        rows.join("\n") + "\n"
-    }
+        ruler.scales.bins
+    ));
+    rows.join("\n") + "\n"
 }
 
 /// A value in at most ten characters.
@@ -270,32 +187,6 @@ fn number(value: Option<f64>) -> String {
         Some(v) if v.fract() == 0.0 && v.abs() < 1e10 => format!("{v:.0}"),
         Some(v) if (1e-3..1e5).contains(&v.abs()) => format!("{v:.4}"),
         Some(v) => format!("{v:.2e}"),
-    }
-}
-
-/// One of the two files.
-#[derive(serde::Serialize)]
-struct FileJson<'a> {
-    file: &'a Path,
-    #[serde(flatten)]
-    size: Size,
-    /// Otherwise the size is the smallest that holds the events of both files.
-    size_known: bool,
-    /// Otherwise nobody knows what was lost on the way to the file.
-    dropped_known: bool,
-    /// What its kinds are called; empty where it does not say so.
-    names: &'a [String],
-}
-
-impl<'a> FileJson<'a> {
-    fn new(file: &'a Path, loaded: &'a Loaded) -> Self {
-        Self {
-            file,
-            size: loaded.packet.size,
-            size_known: loaded.size_known,
-            dropped_known: loaded.dropped_known,
-            names: &loaded.packet.names,
-        }
     }
 }
 

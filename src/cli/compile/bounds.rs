@@ -14,6 +14,8 @@ pub(super) struct Bounds {
     pub(super) each: u64,
     /// How many kernels the filter has.
     pub(super) kernels: usize,
+    /// How often its input is halved.
+    pub(super) halvings: u32,
     /// Whether the fewest words were searched for.
     pub(super) searched: bool,
 }
@@ -30,14 +32,18 @@ impl Bounds {
 
     /// In words.
     pub(super) fn words(&self) -> String {
-        let of = if self.kernels > 1 {
-            "one of these kernels alone"
-        } else {
-            "this kernel"
+        let of = match (self.kernels > 1, self.halvings) {
+            (true, 0) => "one of these kernels alone".to_owned(),
+            (false, 0) => "this kernel".to_owned(),
+            (true, _) => format!("one of these kernels alone, times {}", self.scale()),
+            (false, _) => format!("{} of this kernel", self.scale()),
         };
         let [lower, upper] = self.ends();
         let why = match self.lower.proof {
             Proof::Exhaustive => "every one was tried, with any number of registers",
+            Proof::Doubled => {
+                "doubled back, it would compute the kernel in fewer words than any program: every one was tried"
+            }
             Proof::Reach => "its weights lie too far away, or are too large",
         };
         let open = if self.searched {
@@ -61,6 +67,11 @@ impl Bounds {
         }
     }
 
+    /// What the input's halvings make of the kernel: `1/4`.
+    fn scale(&self) -> String {
+        format!("1/{}", 2f64.powi(self.halvings.min(1000) as i32))
+    }
+
     pub(super) fn json(&self) -> serde_json::Value {
         let [lower, upper] = self.ends();
         json!({
@@ -68,6 +79,7 @@ impl Bounds {
             "upper": upper,
             "is_optimal": self.is_optimal(),
             "proof": self.lower.proof,
+            "of_halved_input": self.halvings > 0,
         })
     }
 }

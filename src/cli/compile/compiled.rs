@@ -50,11 +50,12 @@ impl Compiled {
         };
         let results = self.results.iter().map(|i| json!([i.low, i.high]));
         let exact_within: Vec<f64> = self.filters.iter().map(|f| f.exact_within).collect();
+        let bounds = self.bounds(asked, device);
         let decided: Vec<Option<Decided>> = self.filters.iter().map(kept).collect();
         let on_chip = { self.thresholds.iter() }.map(|lsb| held(*lsb, device));
         let on_chip: Vec<[f64; 2]> = on_chip.collect();
         let energy = self.energy(device);
-        json!({
+        let mut said = json!({
             "chip": device.name(),
             "words": cost.words.0,
             "macros": self.statements(),
@@ -66,7 +67,7 @@ impl Compiled {
             "quantised_scales": asked.scales,
             "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
-            "bounds": self.bounds(asked, device).map(|bounds| bounds.json()),
+            "bounds": bounds.as_ref().ok().map(Bounds::json),
             "filter_words": self.filter.word_count(device),
             "snake_words": self.snake,
             "border": self.wrong_within(device) == 0,
@@ -101,7 +102,10 @@ impl Compiled {
             "memory": self.memory.map(|memory| self.remembered(memory, device)),
             "carried": self.memory.map(|memory| self.carried(memory, device)),
             "text": self.text,
-        })
+        });
+        // The macro takes no more keys.
+        said["no_bounds"] = json!(bounds.err());
+        said
     }
 
     /// What to know of each kind: what the table says on its way, and what is warned of.
@@ -220,18 +224,25 @@ impl Compiled {
         time::of_array(&self.expansion.code.frame, device).ok()
     }
 
-    /// Between which numbers the fewest words lie; none where the input is halved, as the bounds are
-    /// of the kernels themselves, and where each kernel has a filter of its own.
-    fn bounds(&self, asked: &Asked, device: &Device) -> Option<Bounds> {
-        let lower = || LowerBound::on(&asked.kernels, device);
-        let together = self.memory != Some(DriveMemory::Shared);
-        (together && self.filter.prescale == 0).then(|| Bounds {
-            lower: lower(),
+    /// Between which numbers the fewest words lie; or why nobody says so.
+    fn bounds(&self, asked: &Asked, device: &Device) -> Result<Bounds, &'static str> {
+        if self.filters.len() > 1 {
+            return Err("each kind has a filter of its own, and bounds are of one filter");
+        }
+        let halvings = self.filter.prescale;
+        Ok(Bounds {
+            lower: LowerBound::on(&asked.kernels, halvings, device),
             stores: self.filter.words.len(),
             each: device.row(PrimitiveKind::Bus).words(),
             kernels: asked.kernels.len(),
+            halvings,
             searched: asked.objective == Aim::Words,
         })
+    }
+
+    fn bound_line(&self, asked: &Asked, device: &Device) -> String {
+        let bounds = self.bounds(asked, device);
+        bounds.map_or_else(|why| format!("none: {why}"), |bounds| bounds.words())
     }
 
     /// What the words of a frame take.
@@ -246,6 +257,32 @@ impl Compiled {
             between(energy.ends(), 2),
             energy.evidence.word()
         )
+    }
+
+    /// What a frame takes on the array and on the host.
+    fn time_line(&self, cost: &Cost, device: &Device) -> String {
+        let host = { self.readouts.as_ref() }.map_or_else(
+            || {
+                let array = self.array(device);
+                let array = array.map_or([cost.array_us; 2], |time| time.ends());
+                let rates = [1, 0].map(|end| 1e6 / (array[end] + cost.host_us));
+                format!(
+                    "{:.1} us on the host, without a readout: {} frames/s",
+                    cost.host_us,
+                    between(rates, 0)
+                )
+            },
+            Readouts::time,
+        );
+        match self.array(device).filter(|time| time.high > 0.0) {
+            Some(time) => format!(
+                "{} us on the array (highest clock, to a launch with every word: {}), {host}, of compute alone {:.0} at most",
+                between(time.ends(), 1),
+                time.evidence.word(),
+                1e6 / time.low
+            ),
+            None => "none: the result is the input".to_owned(),
+        }
     }
 
     /// The table for people.
@@ -264,9 +301,7 @@ impl Compiled {
                 self.snake
             ),
         );
-        if let Some(bounds) = self.bounds(asked, device) {
-            line("bound", bounds.words());
-        }
+        line("bound", self.bound_line(asked, device));
         let room = device.value(Figure::Store);
         line(
             "store",
@@ -275,31 +310,7 @@ impl Compiled {
         if let Some(memory) = self.memory {
             line("memory", self.remembered(memory, device));
         }
-        let host = { self.readouts.as_ref() }.map_or_else(
-            || {
-                let array = self.array(device);
-                let array = array.map_or([cost.array_us; 2], |time| time.ends());
-                let rates = [1, 0].map(|end| 1e6 / (array[end] + cost.host_us));
-                format!(
-                    "{:.1} us on the host, without a readout: {} frames/s",
-                    cost.host_us,
-                    between(rates, 0)
-                )
-            },
-            Readouts::time,
-        );
-        line(
-            "time",
-            match self.array(device).filter(|time| time.high > 0.0) {
-                Some(time) => format!(
-                    "{} us on the array (highest clock, to a launch with every word: {}), {host}, of compute alone {:.0} at most",
-                    between(time.ends(), 1),
-                    time.evidence.word(),
-                    1e6 / time.low
-                ),
-                None => "none: the result is the input".to_owned(),
-            },
-        );
+        line("time", self.time_line(&cost, device));
         line(
             "proof",
             "the program was read back: it computes the kernel exactly".to_owned(),

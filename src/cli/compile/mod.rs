@@ -45,6 +45,7 @@ use crate::{
     program::{Cost, Expansion, Program, Step, cpp, is_cpp},
     rig::guard::Warning,
     save::save,
+    study::defaults,
     unit::counted,
 };
 
@@ -144,7 +145,7 @@ pub struct Arguments {
     #[arg(long = "as", value_enum, value_name = "LANGUAGE")]
     language: Option<Language>,
     /// Name of a shipped chip, or folder of your own
-    #[arg(long, default_value = "scamp5")]
+    #[arg(long, default_value = defaults::CHIP)]
     chip: Named,
     /// Objective of the search
     #[arg(long, value_enum, default_value_t, help_heading = heading::SEARCH)]
@@ -358,8 +359,7 @@ impl Asked {
     /// The input that a filter alone is run on: that which was given, else the one of which most is
     /// predicted to come out.
     fn signal(&self, filter: &Filter, request: &Request<'_>) -> Signal {
-        let registers = (request.input, &request.into[..]);
-        let best = || filter.best_signal(request.device, registers, &self.kernels);
+        let best = || filter.best_signal(request.device, &self.kernels);
         self.input.map_or_else(best, Signal::from_range)
     }
 
@@ -714,14 +714,8 @@ struct Added {
 }
 
 /// What a filter adds to each result, and to the input for each.
-fn noises(
-    filter: &Filter,
-    device: &Device,
-    input: Analog,
-    results: &[Analog],
-    kernels: &[Kernel],
-) -> Vec<Added> {
-    let noises = filter.noise(device, input, MIDDLE, results);
+fn noises(filter: &Filter, device: &Device, kernels: &[Kernel]) -> Vec<Added> {
+    let noises = filter.noise(device, MIDDLE);
     let added = |(noise, kernel): (FilterNoise, &Kernel)| {
         let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
         let gain = filter.scale() * squares.sqrt();

@@ -96,7 +96,7 @@ impl Proof<'_> {
             ranged: false,
             to_border: false,
             on_chip: Vec::new(),
-            noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
+            noises: noises(&filter, self.device, self.kernels),
             filters: vec![filter.clone()],
             memory: None,
             in_bits: Vec::new(),

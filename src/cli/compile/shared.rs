@@ -3,7 +3,7 @@
 
 use miette::{WrapErr, miette};
 
-use super::{Arguments, Asked, Compiled, Proof, noises, on_chip::OnChip, readout, request};
+use super::{Arguments, Asked, Compiled, Proof, on_chip::OnChip, readout, request};
 use crate::{
     array::{
         Input, Settings,
@@ -97,9 +97,7 @@ pub(super) fn whole(
         compiled
             .on_chip
             .extend(OnChip::run(filter, device, results, signal)?);
-        compiled
-            .noises
-            .extend(noises(filter, device, drive, results, kernels));
+        compiled.noises.extend(own.noises);
     }
     let thresholds = asked.thresholds.iter().zip(&program.scales);
     compiled.thresholds = thresholds

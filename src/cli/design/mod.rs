@@ -40,9 +40,9 @@ use crate::{
     save::{Together, TogetherError},
     scene::Observation,
     study::{
+        defaults,
         equivalent::RUNGS,
         exploration::{Aim, Exploration, Question, explore},
-        feasibility,
         together::{CHIPS, memories},
     },
 };
@@ -71,7 +71,7 @@ pub struct Arguments {
     #[command(flatten)]
     clip: Clip,
     /// Quantisers to try (`amacrine quantise --help` lists them)
-    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = feasibility::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
+    #[arg(long, value_delimiter = ',', value_name = "QUANTISERS", default_value = defaults::CANDIDATES, value_parser = super::arguments::quantiser::quantiser)]
     to: Vec<Quantiser>,
     /// Memory of the program: analogue, bits:N or shared
     ///
@@ -82,7 +82,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
     /// Name of a shipped chip, or folder of your own
-    #[arg(long, default_value = "scamp5", help_heading = heading::CHIP)]
+    #[arg(long, default_value = defaults::CHIP, help_heading = heading::CHIP)]
     chip: Named,
     #[command(flatten)]
     window: Window,
@@ -269,19 +269,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         written.write(&texts)?;
     }
     progress.finish();
-    let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
-    warnings.extend(found.doubts(&question, candidate)?);
-    light::warn_besides(&told.into_inner().unwrap_or_default(), &warnings);
+    let answer = found.answer(&question, picked, arguments.clip.name(), &observation)?;
+    light::warn_besides(&told.into_inner().unwrap_or_default(), &answer.warnings);
     let commands = written
         .as_ref()
         .map(|written| arguments.commands(written, found.frames));
     if arguments.json {
-        let mut json = json!(found);
-        json["picked"] = json!(picked);
-        json["scene"] = json!(arguments.clip.name());
-        json["chip"] = json!(device.name());
-        json["light"] = light::json(&observation);
-        json["warnings"] = json!(warnings);
+        let mut json = json!(answer);
         let written = written.as_ref().map(|it| it.all().map(Path::to_path_buf));
         json["written"] = json!(written);
         json["commands"] = json!(commands);

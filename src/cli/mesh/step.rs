@@ -22,6 +22,7 @@ use crate::{
     rig::{self, guard::Warning},
     save::save,
     scene::{Frame, Observation, Scene, part::First},
+    study::WithLight,
     unit::{Picos, counted},
 };
 
@@ -203,7 +204,7 @@ fn tell(
             frames,
             euler_steps,
         };
-        return say_json(&light::WithLight::new(&json, observation));
+        return say_json(&WithLight::new(&json, observation));
     }
     let steps = euler_steps.map_or(String::new(), |steps| {
         format!(", {}", counted(steps, "Euler step"))

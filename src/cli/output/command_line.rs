@@ -2,11 +2,14 @@
 
 use std::fmt;
 
-/// A word as a shell takes it.
+/// A word as a shell takes it, or Windows's command prompt.
 pub fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c);
+    let own = if cfg!(windows) { "\\" } else { "" };
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c) || own.contains(c);
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()
+    } else if cfg!(windows) {
+        format!("\"{}\"", word.replace('"', "\\\""))
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
     }

@@ -168,7 +168,8 @@ impl Output {
     /// What it is, where it is not a folder to be filled.
     fn kind(&self) -> miette::Result<OutputKind> {
         let kind = save::output_kind(&self.path);
-        let slash = self.path.as_os_str().as_encoded_bytes().ends_with(b"/");
+        let bytes = self.path.as_os_str().as_encoded_bytes();
+        let slash = { bytes.last() }.is_some_and(|&last| std::path::is_separator(last.into()));
         match kind {
             Ok(OutputKind::File { .. }) if slash => Err(io::ErrorKind::IsADirectory.into()),
             kind => kind,

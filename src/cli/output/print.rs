@@ -40,7 +40,7 @@ pub(in crate::cli) fn say(text: &str) {
 /// The program ends with this code; all that is to be said of it has been said.
 #[derive(Clone, Copy, Debug, thiserror::Error, miette::Diagnostic)]
 #[error("ends with {0}")]
-pub(super) struct Ended(pub(super) u8);
+pub(in crate::cli) struct Ended(pub(in crate::cli) u8);
 
 /// Runs until all is done, or an output is [`Ended`].
 pub(in crate::cli) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::Result<()> {

@@ -18,6 +18,7 @@ use super::{
         quantiser::{Total, quantiser},
         window::Window,
     },
+    input::kernels::Kinds,
     output::{
         content::Content,
         files::{Named, Output},
@@ -30,17 +31,18 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{self, Change, QuantiseError, Quantised, Quantiser, Summary},
+        quantise::{self, Change, Quantised, Quantiser},
     },
     photoreceptor::Response,
     picture::{self, write_png},
-    rig::guard::{Guard, Warning},
+    rig::guard::Warning,
     save::save,
     scene::{Observation, Scene as _},
     study::{
-        design::{Design, DesignError},
-        equivalent::{self, Likeness},
-        quantisation::{self, Answer, Outcome, Question},
+        defaults,
+        equivalent::{self, Likeness, RUNGS},
+        quantisation::{self, Outcome},
+        quantised::{self, Answer, Asked, Few, OnChip, One, Row, Tried, Watch},
     },
     unit::{fixed, frame_rate, signed},
 };
@@ -110,34 +112,6 @@ fn after_help() -> String {
     )
 }
 
-/// One row of the table.
-#[derive(serde::Serialize)]
-struct Row {
-    to: String,
-    #[serde(flatten)]
-    few: Few,
-}
-
-/// The kernel in few values, or why it is not to be had in them.
-#[derive(serde::Serialize)]
-#[serde(untagged)]
-enum Few {
-    Numbers(Summary),
-    Refused { refused: String },
-}
-
-#[derive(serde::Serialize)]
-struct Json {
-    kernel: Vec<Vec<f64>>,
-    sum: f64,
-    quantised: Vec<Row>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    chip: Option<Answer>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    light: Option<serde_json::Value>,
-    warnings: Vec<Warning>,
-}
-
 /// Runs the verb.
 ///
 /// # Errors
@@ -146,68 +120,57 @@ struct Json {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kinds = arguments.kernels.kinds()?;
     let thresholds = kinds.thresholds(&arguments.threshold)?;
-    arguments.check(thresholds.is_some())?;
-    let [kernel] = &kinds.kernels[..] else {
-        return several::run(arguments, &kinds, thresholds.as_deref());
-    };
-    let all = arguments.quantised(&arguments.kernels.to_string(), kernel)?;
-    let rows: Vec<Row> = { all.iter() }
-        .map(|(to, quantised)| Row::new(*to, kernel, quantised.as_ref()))
-        .collect();
+    arguments.check(thresholds.is_some(), kinds.kernels.len())?;
     let observation = Observation::new();
-    let answer = match thresholds.as_deref() {
-        Some(&[threshold, ..]) => Some(on_chip(arguments, kernel, threshold, &observation)?),
-        Some([]) | None => None,
-    };
-    let warnings = if let Some(answer) = &answer {
-        answer.warnings.clone()
-    } else {
-        let erased = erased(None, kernel, &all);
-        light::warn(&erased);
-        erased
-    };
-    let good: Vec<&Quantised> = { all.iter() }
-        .filter_map(|(_, quantised)| quantised.as_ref().ok())
-        .collect();
-    if let (Some(path), [quantised]) = (&arguments.output, &good[..]) {
-        write(path, arguments, quantised)?;
-    }
-    if let Some(path) = &arguments.picture {
-        write_png(path, &picture(&arguments.kernels.to_string(), kernel, &all))?;
+    let answer = arguments.answer(&kinds, thresholds.as_deref(), &observation)?;
+    if let (Answer::One(one), [kernel]) = (&answer, &kinds.kernels[..]) {
+        let good: Vec<&Quantised> = one.kind.good().collect();
+        if let (Some(path), [quantised]) = (&arguments.output, &good[..]) {
+            write(path, arguments, quantised)?;
+        }
+        if let Some(path) = &arguments.picture {
+            let name = arguments.kernels.to_string();
+            write_png(path, &picture(&name, kernel, &one.kind.tried))?;
+        }
     }
     if arguments.json {
-        let json = Json {
-            light: answer.as_ref().map(|_| light::json(&observation)),
-            warnings,
-            chip: answer,
-            kernel: kernel.rows(),
-            sum: kernel.sum(),
-            quantised: rows,
-        };
-        let json = serde_json::to_string(&json).map_err(|e| miette!("{e}"))?;
+        let json = serde_json::to_string(&answer).map_err(|e| miette!("{e}"))?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = format!("{}, sum {}\n", arguments.kernels, short(kernel.dc()));
-    text += &drawn(kernel);
-    if let ([quantised], [row]) = (&good[..], &rows[..]) {
-        let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
-        text += &written(&quantised.levels);
-        text += &drawn(&quantised.levels);
-    }
-    text += &table(&rows);
-    if let Some(answer) = &answer {
-        text += &chip_table(arguments, answer);
+    let mut text = match (&answer, &kinds.kernels[..]) {
+        (Answer::One(one), [kernel, ..]) => text(arguments, kernel, one),
+        (Answer::One(_), []) => String::new(),
+        (Answer::Several(all), kernels) => several::text(arguments, kernels, all),
+    };
+    if thresholds.is_some() {
         text += &light::line(&observation);
     }
     super::say(&text);
     Ok(())
 }
 
+/// What is said of one kernel.
+fn text(arguments: &Arguments, kernel: &Kernel, one: &One) -> String {
+    let mut text = format!("{}, sum {}\n", arguments.kernels, short(kernel.dc()));
+    text += &drawn(kernel);
+    let good: Vec<&Quantised> = one.kind.good().collect();
+    if let ([quantised], [row]) = (&good[..], &one.kind.quantised[..]) {
+        let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
+        text += &written(&quantised.levels);
+        text += &drawn(&quantised.levels);
+    }
+    text += &table(&one.kind.quantised);
+    if let Some(chip) = &one.chip {
+        text += &chip_table(arguments, chip);
+    }
+    text
+}
+
 impl Arguments {
     /// The chip's name or folder.
     fn chip(&self) -> &str {
-        self.chip.as_deref().unwrap_or("scamp5")
+        self.chip.as_deref().unwrap_or(defaults::CHIP)
     }
 
     fn seed(&self) -> u64 {
@@ -219,7 +182,14 @@ impl Arguments {
     }
 
     /// Refuses options that would be of no use.
-    fn check(&self, has_threshold: bool) -> miette::Result<()> {
+    fn check(&self, has_threshold: bool, kernels: usize) -> miette::Result<()> {
+        if kernels > 1 && (self.output.is_some() || self.picture.is_some()) {
+            return Err(miette!(
+                help = "give one of them, an array of shape (k,k), for --output and --picture",
+                "{} holds {kernels} kernels",
+                self.kernels
+            ));
+        }
         if self.output.is_some() && self.to.len() != 1 {
             return Err(miette!(
                 help = "give one quantiser with --to",
@@ -251,83 +221,66 @@ impl Arguments {
         }
     }
 
-    /// The kernel in each of the ways that were asked for, or why not.
-    ///
-    /// # Errors
-    /// When it is not to be had in any of them.
-    fn quantised(&self, name: &str, kernel: &Kernel) -> miette::Result<Vec<Tried>> {
-        let sum = self.sum.into();
-        let mut all: Vec<Tried> = { self.to.iter() }
-            .map(|to| (*to, to.quantise(kernel, sum, self.seed())))
-            .collect();
-        if all.iter().all(|(_, quantised)| quantised.is_err())
-            && let Some((to, Err(error))) = all.drain(..).next()
-        {
-            let what = format!("{name} cannot be {to}");
-            return Err(miette::Report::new(error).wrap_err(what));
-        }
-        Ok(all)
-    }
-}
-
-/// A quantiser, and what it makes of the kernel.
-type Tried = (Quantiser, Result<Quantised, QuantiseError>);
-
-/// What few values have taken from the kernel.
-fn erased(name: Option<&str>, kernel: &Kernel, all: &[Tried]) -> Vec<Warning> {
-    let mut guard = Guard::new();
-    for (to, quantised) in all {
-        for erasure in quantised.iter().flat_map(|q| q.erasures(kernel)) {
-            let own = name.map_or_else(|| to.to_string(), |name| format!("{name} as {to}"));
-            guard.warn(Warning::erased(&own, erasure));
-        }
-    }
-    guard.warnings()
-}
-
-/// Each compiled, and run beside the float kernel.
-fn on_chip(
-    arguments: &Arguments,
-    kernel: &Kernel,
-    threshold: f64,
-    observation: &Observation,
-) -> miette::Result<Answer> {
-    if !(threshold > 0.0 && threshold.is_finite()) {
-        return Err(DesignError::Threshold(threshold).into());
-    }
-    let device = Device::find(arguments.chip())?;
-    let open = || arguments.clip.open(observation);
-    let scene = open()?;
-    arguments.clip.check_fits(&*scene, &device)?;
-    let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
-    budget::check_study(&*scene, sensors)?;
-    let (frames, fps) = (scene.frames(), scene.fps());
-    drop(scene);
-    let question = Question {
-        design: Design {
-            kernel,
-            threshold,
+    /// The kernels in few values; with thresholds on the chip, too.
+    fn answer(
+        &self,
+        kinds: &Kinds,
+        thresholds: Option<&[f64]>,
+        observation: &Observation,
+    ) -> miette::Result<Answer> {
+        let asked = Asked {
+            names: &kinds.names,
+            kernels: &kinds.kernels,
+            to: &self.to,
+            sum: self.sum.into(),
+            seed: self.seed(),
+        };
+        let open = || self.clip.open(observation);
+        let Some(thresholds) = thresholds else {
+            let watch = Watch {
+                open: &open,
+                observation,
+                frame: &|| (),
+            };
+            let answer = quantised::answer(&asked, None, &watch)?;
+            light::warn(answer.warnings());
+            return Ok(answer);
+        };
+        let device = Device::find(self.chip())?;
+        let scene = open()?;
+        self.clip.check_fits(&*scene, &device)?;
+        let (kernels, to) = (kinds.kernels.len(), self.to.len());
+        let (sensors, shows) = match kernels {
+            // All of them at once, and then those of as many events.
+            1 => (1 + RUNGS.len() + 3 * to, 2),
+            several => ((RUNGS.len() + 1) * several + 2, to as u64),
+        };
+        budget::check_study(&*scene, sensors)?;
+        let progress = Progress::new("watching", scene.frames().map(|frames| shows * frames));
+        drop(scene);
+        let chip = OnChip {
+            thresholds,
             device: &device,
-            effort: arguments.effort(),
-            seed: arguments.seed(),
-        },
-        quantisers: &arguments.to,
-        sum: arguments.sum.into(),
-        within: arguments.window.at(fps),
-    };
-    // All of them at once, and then those of as many events.
-    let progress = Progress::new("watching", frames.map(|frames| 2 * frames));
-    let answer = quantisation::ask(&question, &open, |_| progress.tick());
-    progress.finish();
-    let warnings = Warning::of_scene(observation, Response::IDENTITY);
-    light::warn(&warnings);
-    let mut answer = answer?;
-    light::warn(&answer.warnings);
-    answer.warnings.splice(0..0, warnings);
-    Ok(answer)
+            effort: self.effort(),
+            memory: kinds.memory,
+            within: self.window.within,
+        };
+        let watch = Watch {
+            open: &open,
+            observation,
+            frame: &|| progress.tick(),
+        };
+        let answer = quantised::answer(&asked, Some(&chip), &watch);
+        progress.finish();
+        match &answer {
+            Ok(answer) => light::warn(answer.warnings()),
+            Err(_) => light::warn(&Warning::of_scene(observation, Response::IDENTITY)),
+        }
+        Ok(answer?)
+    }
 }
 
-fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
+fn chip_table(arguments: &Arguments, answer: &quantisation::Answer) -> String {
     let scores = format!("{:>6} {:>9} {:>7}", "kept", "threshold", "events");
     let mut text = format!(
         "\non {}, against the float kernel's {} events on {} at {} frames/s (matched within {})\n{:<16} {:>6} {:>6} {:>6} {:>9}  {scores}  {scores}\n{:<16} {:>6} {:>6} {:>6} {:>9}  {:>24}  {:>24}\n",
@@ -379,7 +332,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
 }
 
 /// Gain and shape apart: against a float kernel that says as many events.
-fn tuned_table(answer: &Answer) -> String {
+fn tuned_table(answer: &quantisation::Answer) -> String {
     let mut text = String::new();
     for row in &answer.rows {
         let Outcome::OnChip(chip) = &row.outcome else {
@@ -403,20 +356,6 @@ fn tuned_table(answer: &Answer) -> String {
     format!(
         "against a float kernel of as many events, whose threshold is higher by the last column\n{text}"
     )
-}
-
-impl Row {
-    fn new(to: Quantiser, kernel: &Kernel, quantised: Result<&Quantised, &QuantiseError>) -> Self {
-        Self {
-            to: to.to_string(),
-            few: match quantised {
-                Ok(quantised) => Few::Numbers(Summary::new(kernel, quantised)),
-                Err(error) => Few::Refused {
-                    refused: error.to_string(),
-                },
-            },
-        }
-    }
 }
 
 /// The levels as a kernel file.

@@ -5,11 +5,10 @@ mod program;
 mod sensor;
 mod table;
 
-use std::{fmt, time::Instant};
+use std::time::Instant;
 
-use miette::miette;
+use miette::IntoDiagnostic as _;
 
-use self::table::Table;
 use super::{
     arguments::{budget, clip::GivenScene, heading, light, quantiser::number_format},
     output::{
@@ -20,6 +19,7 @@ use super::{
 };
 use crate::{
     array::Arithmetic,
+    compare::metric::Short,
     memory::Need,
     number::Format,
     photoreceptor::Response,
@@ -27,10 +27,14 @@ use crate::{
     scene::{Observation, Scene, kept::Kept, part::First},
     stop::Stop,
     study::{
-        pilot::{Family, Look, Survey, plan::KEPT},
-        trade::{Ask, OF_PROGRAM, OF_SENSOR, Trade, told::Told, trade},
+        defaults,
+        pilot::plan::KEPT,
+        trade::{
+            OF_PROGRAM, OF_SENSOR,
+            answer::{Answer, Asked, Held, TradeError, Watch},
+        },
     },
-    unit::{Micros, counted},
+    unit::Micros,
 };
 
 /// What `trade` is asked to do.
@@ -58,7 +62,7 @@ pub struct Arguments {
     /// Constant of the program to set; may be repeated
     #[arg(long = "const", value_name = "NAME=VALUE", value_parser = super::input::opened_program::constant, conflicts_with = "sensor", help_heading = heading::PROGRAM)]
     constants: Vec<(String, f64)>,
-    #[arg(long, conflicts_with = "sensor", value_parser = domain, help = format!("Arithmetic of the full model: {} [default: silicon]", Arithmetic::names()), help_heading = heading::PROGRAM)]
+    #[arg(long, conflicts_with = "sensor", value_parser = domain, help = format!("Arithmetic of the full model: {} [default: {}]", Arithmetic::names(), defaults::DOMAIN), help_heading = heading::PROGRAM)]
     domain: Option<Arithmetic>,
     /// Number of frames of the scene that the program sees, 3 or more [default: all]
     #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..), help_heading = heading::PROGRAM)]
@@ -73,14 +77,12 @@ pub struct Arguments {
     seed: u64,
     #[arg(long, help = format!("Number formats to try in place of the full model's: {} [default: {} for a sensor, {} for a program]", Format::names(), OF_SENSOR.join(","), OF_PROGRAM.join(",")), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format, help_heading = heading::MODELS)]
     formats: Option<Vec<Format>>,
-    /// Largest shift in time of an event that does not count as changed
-    #[arg(long, default_value = "100us", value_name = "TIME", help_heading = heading::MODELS)]
-    within: Micros,
-    /// Part of the sensor that is run, such as 10%; at least twelve tiles
-    #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = part, help_heading = heading::MODELS)]
-    sample: f64,
+    #[arg(long, help = format!("Largest shift in time of an event that does not count as changed [default: {}]", Short(defaults::TRADE_WITHIN)), value_name = "TIME", help_heading = heading::MODELS)]
+    within: Option<Micros>,
+    #[arg(long, help = format!("Part of the sensor that is run, such as 10%; at least twelve tiles [default: {}%]", 100.0 * defaults::SAMPLE), value_name = "PERCENT", value_parser = part, help_heading = heading::MODELS)]
+    sample: Option<f64>,
     /// Number of runs of a model that share the cost of knowing its error
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..), help_heading = heading::MODELS)]
+    #[arg(long, default_value_t = defaults::RUNS, value_parser = clap::value_parser!(u32).range(1..), help_heading = heading::MODELS)]
     runs: u32,
     /// Run every model on the whole scene, too, and take its times and changes from there
     #[arg(long)]
@@ -124,51 +126,40 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
 }
 
-/// The scene, in memory, and how long it took to read.
-struct Scened {
-    kept: Kept,
-    observation: Observation,
-    reading: f64,
-}
-
 impl Arguments {
-    /// The number formats to try: these where none are named.
-    fn formats(&self, usual: &[&str]) -> Vec<Format> {
-        let usual = || usual.iter().filter_map(|name| name.parse().ok()).collect();
-        self.formats.clone().unwrap_or_else(usual)
+    /// What is asked of a sensor or a program that is called so.
+    fn asked<'a>(&'a self, of: &'a str) -> Asked<'a> {
+        Asked {
+            of,
+            upsample: self.upsample,
+            formats: self.formats.as_deref(),
+            within: self.within.unwrap_or(defaults::TRADE_WITHIN),
+            sample: self.sample.unwrap_or(defaults::SAMPLE),
+            runs: self.runs,
+            verify: self.verify,
+            seed: self.seed,
+        }
     }
 
-    fn scene(&self) -> miette::Result<Scened> {
-        let observation = Observation::new();
+    /// The scene, in memory; what is seen of it is noted.
+    fn held(&self, observation: &Observation) -> miette::Result<Held> {
         let start = Instant::now();
-        let scene = self.given.open(&observation)?;
+        let scene = self.given.open(observation)?;
         let mut scene = First::new(scene, self.frames.unwrap_or(u64::MAX));
         let pixels = scene.frames().unwrap_or(0) as u128 * scene.size().pixels() as u128;
         let need = budget::of_scene(&scene).and("the scene, at least a byte a pixel", pixels);
         let what = format!("a trade on {}", scene.size());
         budget::check(&need, &what, "take a shorter or smaller scene")?;
         let most = usize::try_from(need.left(budget::budget())).unwrap_or(KEPT);
-        let Some(kept) = Kept::new(&mut scene, most.min(KEPT))? else {
-            return Err(miette!(
-                help = "take a shorter or smaller scene, such as the first seconds of this one",
-                "{} is too long to be kept in memory, and every model looks at all of it",
-                self.given.scene
-            ));
-        };
-        let reading = start.elapsed().as_secs_f64();
-        if kept.len() < 3 {
-            return Err(miette!(
-                help = "give a scene of at least three frames",
-                "{} has {}: nothing can be measured",
-                self.given.scene,
-                counted(kept.len(), "frame")
-            ));
-        }
-        Ok(Scened {
-            kept,
+        let clock = || start.elapsed().as_secs_f64();
+        let name = &self.given.scene;
+        Ok(Held::new(
+            name,
+            &mut scene,
+            most.min(KEPT),
             observation,
-            reading,
-        })
+            &clock,
+        )?)
     }
 
     /// Refuses what there is no room for: the scene, the models on it, and events.
@@ -180,80 +171,35 @@ impl Arguments {
         budget::check(&need, &what, "take a smaller scene")
     }
 
-    /// What is told of a trade, of this sensor or program, of a full model that is called so.
-    fn told<'a, M>(
-        &'a self,
-        (of, full): (&'a str, &'a str),
-        scened: &'a Scened,
-        command: &'a dyn Fn(&M) -> String,
-    ) -> Table<'a, M> {
-        Table {
-            arguments: self,
-            scened,
-            told: Told {
-                of,
-                scene: &self.given.scene,
-                fps: scened.kept.scene().fps(),
-                full,
-                verify: self.verify,
-                runs: self.runs,
-                command,
-            },
-        }
-    }
-
-    /// Measures, tells, draws.
-    fn trade<F>(
-        &self,
-        family: &F,
-        scened: &Scened,
-        models: Vec<F::Model>,
-        (alternative, free): Rules<'_, F::Model>,
-        (table, response): (&Table<'_, F::Model>, Response),
-    ) -> miette::Result<()>
-    where
-        F: Family,
-        F::Model: fmt::Display,
-    {
-        let start = Instant::now();
-        let clock = || start.elapsed().as_secs_f64();
-        let progress = Progress::new("models", None);
-        let ask = Ask {
-            survey: Survey {
-                kept: &scened.kept,
-                upsample: self.upsample,
-                within: self.within,
-                seed: self.seed,
-                clock: &clock,
-                sample: self.sample,
-                stop: Stop::NEVER,
-            },
-            models,
-            alternative,
-            free,
-            verify: self.verify,
-            runs: self.runs,
-            begin: &|_| progress.tick(),
-        };
-        let trade: Trade<F::Model> = trade(family, &ask)?;
-        progress.finish();
-        light::warn(&Warning::of_scene(&scened.observation, response));
+    /// Tells and draws an answer.
+    fn tell<M>(&self, answer: &Answer<'_, M>, held: &Held, light: &str) -> miette::Result<()> {
         if let Some(path) = &self.output {
-            path.draw(&table.told.drawing(&trade))?;
+            path.draw(&answer.drawing())?;
         }
         if self.json {
-            let mut json = table.json(&trade)?;
-            json["light"] = light::json(&scened.observation);
+            let json = serde_json::to_value(answer).into_diagnostic()?;
             super::say(&format!("{json}\n"));
         } else {
-            super::say(&(table.text(&trade) + &light::line(&scened.observation)));
+            super::say(&(table::text(self, answer, held) + light));
         }
         Ok(())
     }
 }
 
-/// Which models are alternatives, and which are free.
-type Rules<'a, M> = (
-    &'a dyn Fn(&M) -> bool,
-    &'a dyn Fn(&M, &Look) -> Option<&'static str>,
-);
+/// Measures with a bar, and warns of the scene.
+fn watched<T>(
+    observation: &Observation,
+    response: Response,
+    answer: impl FnOnce(&Watch<'_>) -> Result<T, TradeError>,
+) -> miette::Result<T> {
+    let start = Instant::now();
+    let progress = Progress::new("models", None);
+    let answer = answer(&Watch {
+        clock: &|| start.elapsed().as_secs_f64(),
+        begin: &|_| progress.tick(),
+        stop: Stop::NEVER,
+    })?;
+    progress.finish();
+    light::warn(&Warning::of_scene(observation, response));
+    Ok(answer)
+}

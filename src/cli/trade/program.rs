@@ -2,19 +2,21 @@
 
 use miette::miette;
 
-use super::Arguments;
+use super::{Arguments, watched};
 use crate::{
-    array::{Arithmetic, Schedule},
+    array::Arithmetic,
     cli::{
+        arguments::light,
         input::opened_program::Source,
         output::{command_line::CommandLine, files::Input},
     },
     photoreceptor::Response,
     rig::Larger,
+    scene::Observation,
     study::{
         execution::CellOptions,
         pilot::{Chips, ErrorTerm},
-        trade::{OF_PROGRAM, Programs, Setup},
+        trade::{Setup, answer::of_program},
     },
 };
 
@@ -32,39 +34,30 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
             path.display()
         ));
     }
-    let scened = arguments.scene()?;
-    let size = scened.kept.size();
+    let observation = Observation::new();
+    let held = arguments.held(&observation)?;
+    let size = held.kept.size();
     Larger::check(
         &format!("--scene {}", arguments.given.scene),
         size,
         &opened.device,
     )?;
     let domain = arguments.domain.unwrap_or(Arithmetic::Silicon { seed: 0 });
-    let domain = domain.with_seed(arguments.seed);
-    Arguments::check(&scened.kept, domain.bytes(&opened.device, size))?;
-    let mut settings = CellOptions::default().settings(&opened.program, &opened.device);
-    settings.threads = Some(rayon::current_num_threads());
-    let family = Programs {
-        chips: Chips {
-            name: &opened.program.file,
-            code: &opened.expansion.code,
-            device: &opened.device,
-            settings,
-            arithmetic: domain,
-            reads_all: false,
-        },
-        schedule: Schedule::for_size(size),
+    Arguments::check(&held.kept, domain.bytes(&opened.device, size))?;
+    let chips = Chips {
+        name: &opened.program.file,
+        code: &opened.expansion.code,
+        device: &opened.device,
+        settings: CellOptions::default().settings(&opened.program, &opened.device),
+        arithmetic: domain,
+        reads_all: false,
     };
-    let formats = arguments.formats(&OF_PROGRAM);
-    let alternative = |setup: &Setup| family.alternative(setup);
-    let free = |setup: &Setup, _: &_| family.free(setup);
-    let full = format!("{domain}, {}", family.schedule);
-    let command = |setup: &_| command(arguments, path, scened.kept.len(), setup);
-    let table = arguments.told((&opened.program.file, &full), &scened, &command);
-    let models = family.models(&formats);
-    let rules = (&alternative as &_, &free as &_);
-    let told = (&table, Response::IDENTITY);
-    arguments.trade(&family, &scened, models, rules, told)
+    let asked = arguments.asked(&opened.program.file);
+    let command = |setup: &_| command(arguments, path, held.kept.len(), setup);
+    let answer = watched(&observation, Response::IDENTITY, |watch| {
+        of_program(chips, &asked, &held, watch, &command)
+    })?;
+    arguments.tell(&answer, &held, &light::line(&observation))
 }
 
 /// The command that runs a model.

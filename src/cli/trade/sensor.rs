@@ -1,44 +1,31 @@
 //! The trade of a sensor file.
 
-use super::Arguments;
+use super::{Arguments, watched};
 use crate::{
     cli::{
+        arguments::light,
         output::{command_line::CommandLine, files::Input},
         run::read_sensor,
     },
     number::Format,
-    reference::Reference,
-    study::{
-        pilot::{Choice, Effect, Floats},
-        trade::OF_SENSOR,
-    },
+    reference::{Effect, Reference},
+    scene::Observation,
+    study::{pilot::Choice, trade::answer::of_sensor},
 };
 
 pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
     let description = read_sensor(sensor)?;
-    let scened = arguments.scene()?;
-    let bytes = <Reference>::bytes(&description, scened.kept.size());
-    Arguments::check(&scened.kept, bytes)?;
-    let full = Choice::full();
-    let family = Floats {
-        description: &description,
-        seed: arguments.seed,
-        base: &full,
-    };
-    let formats = arguments.formats(&OF_SENSOR);
-    let alternative = |choice: &Choice| family.alternative(choice);
-    let free = |choice: &Choice, look: &_| family.free(choice, look);
+    let observation = Observation::new();
+    let held = arguments.held(&observation)?;
+    let bytes = <Reference>::bytes(&description, held.kept.size());
+    Arguments::check(&held.kept, bytes)?;
     let of = sensor.display().to_string();
+    let asked = arguments.asked(&of);
     let command = |choice: &_| command(arguments, sensor, choice);
-    let table = arguments.told(
-        (&of, "f64, with all effects of the file"),
-        &scened,
-        &command,
-    );
-    let models = family.models(&formats, arguments.upsample.is_some());
-    let rules = (&alternative as &_, &free as &_);
-    let told = (&table, description.response);
-    arguments.trade(&family, &scened, models, rules, told)
+    let answer = watched(&observation, description.response, |watch| {
+        of_sensor(&description, &asked, &held, watch, &command)
+    })?;
+    arguments.tell(&answer, &held, &light::line(&observation))
 }
 
 /// The command that runs a model.

@@ -18,6 +18,10 @@ use crate::{
 pub struct Filter {
     /// The words: each a bus word.
     pub words: Vec<Primitive>,
+    /// The register in which the input begins.
+    pub input: Analog,
+    /// The register of each result.
+    pub results: Vec<Analog>,
     /// The registers that hold a value while each word runs, NEWS left out.
     pub live: Vec<Vec<Analog>>,
     /// Halvings of the input: the results are 2^-prescale of the kernels' sums.
@@ -87,11 +91,11 @@ impl Filter {
         2f64.powi(-(self.prescale as i32))
     }
 
-    /// A solved plan behind `words`, which halve the input once each; its results are in `into`,
+    /// A solved plan behind `words`, which halve the input once each; its results are in `results`,
     /// halved `prescale` times in all. `range`: of the input, if it is known, and whether the result
     /// is a difference that is compared with a threshold.
     pub(in crate::compile) fn from_solved(
-        (device, into): (&Device, &[Analog]),
+        (device, input, results): (&Device, Analog, &[Analog]),
         range: (Option<(f64, f64)>, bool),
         solved: &Solved,
         unit: i64,
@@ -105,9 +109,11 @@ impl Filter {
             live.push(held.iter().map(|(register, _)| *register).collect());
         }
         Self {
-            offsets: offsets(&words, into, device),
-            from_border: from_border(&words, into, device),
+            offsets: offsets(&words, results, device),
+            from_border: from_border(&words, results, device),
             words,
+            input,
+            results: results.to_vec(),
             live,
             prescale,
             border: solved.border,

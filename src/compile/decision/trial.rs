@@ -20,7 +20,7 @@ use crate::{
         codegen::bus_word::{Wired, wired},
         sensor::cell_kind::CellKind,
     },
-    isa::{self, Analog, Device, Errors, Figure, Primitive},
+    isa::{self, Analog, Device, Errors, Figure, Primitive, StoreTerms},
     kernel::Kernel,
     plane::Plane,
     rng::{Hash, normal},
@@ -133,6 +133,18 @@ impl Trials {
     /// For a chip whose input is at most `most` LSB.
     pub(super) fn new(device: &Device, most: f64, compared: Compared) -> Self {
         let errors = Errors::from_device(device);
+        let StoreTerms {
+            division_mismatch,
+            noise,
+            // In `Errors::gain` and `Errors::offset`.
+            transfer: _,
+            loss: _,
+            gain_mismatch: _,
+            offset_mismatch: _,
+            mismatch_correlation: _,
+            // Where a word stores.
+            division: _,
+        } = errors.of_a_store();
         let registers = device.registers().analog.len();
         let draw = |array: usize, reason: u64, number: usize| -> Cells {
             let place = Hash::new(0xDEC1).with(array as u64).with(reason);
@@ -158,15 +170,10 @@ impl Trials {
                 gain: { gain.into_iter() }
                     .map(|cells| all(&|own| errors.gain(own), cells))
                     .collect(),
-                split: [0, 1].map(|k| {
-                    all(
-                        &|own| errors.division_mismatch * own,
-                        draw(number, SPLIT, k),
-                    )
-                }),
+                split: [0, 1].map(|k| all(&|own| division_mismatch * own, draw(number, SPLIT, k))),
             }
         };
-        let noise = Hash::new(0xDEC1).with(NOISE);
+        let draws = Hash::new(0xDEC1).with(NOISE);
         // A constant of the chip drops out of a difference of drives, at the border too.
         let edge = match compared {
             Compared::Difference => Some(device.value(Figure::Edge) as f32),
@@ -186,7 +193,7 @@ impl Trials {
                 .map(|light| pairs(*light).iter().enumerate().map(array).collect())
                 .collect(),
             noise: { 0..NOISES }
-                .map(|i| drawn(noise.with(i as u64)) * errors.noise as f32)
+                .map(|i| drawn(draws.with(i as u64)) * noise as f32)
                 .collect(),
             errors,
         }

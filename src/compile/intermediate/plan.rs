@@ -1,7 +1,7 @@
 //! Plans: a filter as bus words over values, before register allocation.
 
 use super::linear_form::{LinearForm, step};
-use crate::isa::{self, Device, Direction, Figure};
+use crate::isa::{self, Device, Direction, Errors, StoreTerms};
 
 /// A value in an ordinary register: 0 is the input, the others in the order of their stores.
 pub(in crate::compile) type Value = usize;
@@ -29,10 +29,19 @@ pub(in crate::compile) struct StoreErrors {
 impl StoreErrors {
     /// As a chip's data has them.
     pub(in crate::compile) fn from_device(device: &Device) -> Self {
-        Self {
-            transfer: device.value(Figure::TransferError),
-            division: device.value(Figure::DivisionError),
-        }
+        let StoreTerms {
+            transfer,
+            division,
+            // A part of the signal, which plans do not follow.
+            loss: _,
+            // Of an average cell, and on average.
+            gain_mismatch: _,
+            offset_mismatch: _,
+            mismatch_correlation: _,
+            division_mismatch: _,
+            noise: _,
+        } = Errors::from_device(device).of_a_store();
+        Self { transfer, division }
     }
 
     /// What is stored of a sum, LSB, by a store that loses nothing.

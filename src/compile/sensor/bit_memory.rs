@@ -23,7 +23,7 @@ use crate::{
         silicon::dark_offset::Place,
     },
     elementary,
-    isa::{self, Device, Errors},
+    isa::{self, Device, Errors, StoreTerms},
 };
 
 /// A memory in one-bit registers: the range of the drive in equal steps.
@@ -413,9 +413,20 @@ impl<'a> Recall<'a> {
     /// The same of an average pixel, and its standard deviation, over pixels and frames.
     fn clear(&self, edge: Edge, step: (u32, Sign)) -> (f64, f64) {
         let (average, stores) = self.short(&AVERAGE, edge, step);
+        let StoreTerms {
+            noise,
+            // In `Errors::gain` and `Errors::offset`.
+            transfer: _,
+            loss: _,
+            gain_mismatch: _,
+            offset_mismatch: _,
+            mismatch_correlation: _,
+            // No bus splits here.
+            division: _,
+            division_mismatch: _,
+        } = self.errors.of_a_store();
         // Of the drive's noise that of the frame in which it was found, too.
-        let mut variance = 2.0 * self.noise * self.noise
-            + f64::from(stores) * self.errors.noise * self.errors.noise;
+        let mut variance = 2.0 * self.noise * self.noise + f64::from(stores) * noise * noise;
         for cell in 0..AVERAGE.len() {
             for of in 0..2 {
                 let mut own = AVERAGE;

@@ -161,9 +161,8 @@ impl SensorProgram {
         let steps = match memory {
             DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
             DriveMemory::Bits(own) => {
-                let noises =
-                    filter.noise(device, request.input, FilterNoise::MIDDLE, &request.into);
-                let dark = places(&filter.words, &request.into, device, filter.from_border);
+                let noises = filter.noise(device, FilterNoise::MIDDLE);
+                let dark = places(&filter.words, &filter.results, device, filter.from_border);
                 let in_bits = |((kind, noise), dark): ((_, &FilterNoise), _)| {
                     InBits::new(kind, device, (scale, noise.temporal), dark)
                 };

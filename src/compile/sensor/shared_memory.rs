@@ -56,7 +56,8 @@ pub(super) fn program(
     let all = ordinary_registers(device);
     let bits = OneBit::of(device);
     let needed = Need::new(DriveMemory::Shared, kinds.len(), device).analogue;
-    if all.len() < needed {
+    let enough = all.split_last().filter(|_| needed <= all.len());
+    let Some((&memory, work)) = enough else {
         return Err(CompileError::Kinds {
             count: kinds.len(),
             memory: "one memory of the pixel, and three registers for filter and threshold",
@@ -64,10 +65,7 @@ pub(super) fn program(
             free: all.len(),
             advice: String::new(),
         });
-    }
-    let (memory, work) = all
-        .split_last()
-        .map_or((Analog(0), &all[..]), |(m, w)| (*m, w));
+    };
     let light = (kinds.len() > bits.pairs(AT_A_TIME).len()).then(|| work[work.len() - 1]);
     let registers = Registers {
         drive: work[0],
@@ -92,7 +90,7 @@ pub(super) fn program(
     let (text, difference) = (writer.text(title), writer.difference());
     Ok(SensorProgram {
         text,
-        filter: Filter::joined(&filters),
+        filter: Filter::joined(registers.drive, &filters),
         drives: vec![registers.drive; kinds.len()],
         registers: program::Registers::Shared(registers),
         scales,
@@ -188,12 +186,14 @@ fn filters(
 }
 
 impl Filter {
-    /// Several filters one after the other, as one: their words, the least of what they promise and
-    /// the most of what they take.
-    fn joined(all: &[Self]) -> Self {
+    /// Several filters of one input one after the other, as one: their words, the least of what they
+    /// promise and the most of what they take.
+    fn joined(input: Analog, all: &[Self]) -> Self {
         let together = |join: fn(&Self) -> usize| all.iter().map(join).max().unwrap_or(0);
         Self {
             words: all.iter().flat_map(|f| f.words.clone()).collect(),
+            input,
+            results: all.iter().flat_map(|f| f.results.clone()).collect(),
             live: all.iter().flat_map(|f| f.live.clone()).collect(),
             prescale: together(|f| f.prescale as usize) as u32,
             border: all.iter().all(|f| f.border),

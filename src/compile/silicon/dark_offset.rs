@@ -3,7 +3,7 @@
 
 use crate::{
     compile::codegen::bus_word::{Wired, wired},
-    isa::{self, Analog, Device, Errors, Figure, Primitive},
+    isa::{self, Analog, Device, Errors, Figure, Primitive, StoreTerms},
     kernel::Kernel,
 };
 
@@ -104,7 +104,19 @@ impl Array {
     fn stored(&self, sum: f64, word: &Wired) -> f64 {
         let count = word.targets.len();
         let errors = self.errors;
-        let added = isa::added(errors.transfer, errors.division, count > 1);
+        let StoreTerms {
+            transfer,
+            division,
+            // In `Errors::gain`.
+            loss: _,
+            // Of an average cell, and on average.
+            gain_mismatch: _,
+            offset_mismatch: _,
+            mismatch_correlation: _,
+            division_mismatch: _,
+            noise: _,
+        } = errors.of_a_store();
+        let added = isa::added(transfer, division, count > 1);
         let (low, high) = errors.range;
         isa::stored(sum / count as f64, errors.gain(0.0), added).clamp(low, high)
     }

@@ -24,7 +24,7 @@ use crate::{
         filter::Filter,
     },
     elementary::{exp, hypot},
-    isa::{self, Analog, Device, Errors, Primitive},
+    isa::{self, Analog, Device, Errors, Primitive, StoreTerms},
     kernel::Kernel,
     plane::Plane,
 };
@@ -338,6 +338,18 @@ impl Backwards<'_> {
     /// The variance of the temporal noise in a result, and of all else that is no signal.
     fn variances(&self, result: usize) -> (f64, f64) {
         let errors = self.errors;
+        let StoreTerms {
+            gain_mismatch,
+            offset_mismatch,
+            division_mismatch,
+            noise,
+            // In `Errors::of_gain` and `Errors::apart`.
+            mismatch_correlation: _,
+            // In the slope and in the forward pass.
+            loss: _,
+            transfer: _,
+            division: _,
+        } = errors.of_a_store();
         let mut adjoint: Vec<Option<Field>> = vec![None; self.cells];
         adjoint[result] = Some(Field::one(self.wide));
         let (mut temporal, mut other) = (0.0, 0.0);
@@ -358,23 +370,19 @@ impl Backwards<'_> {
                 read = true;
                 let power = field.power();
                 let kept = stored.kept;
-                temporal += kept * kept * errors.noise * errors.noise * power;
-                let gain = errors.gain_mismatch;
+                temporal += kept * kept * noise * noise * power;
+                let gain = gain_mismatch;
                 other += (kept * kept * gain * gain * stored.variance + stored.distortion) * power;
                 let own = errors.of_gain(stored.current);
                 gains[stored.cell].add(&field, (0, 0), kept * own);
-                offsets[stored.cell].add(&field, (0, 0), kept * errors.offset_mismatch * apart);
+                offsets[stored.cell].add(&field, (0, 0), kept * offset_mismatch * apart);
                 // The target's cell lies a step from the pixel whose bus it stored.
                 let back = (-stored.place.0, -stored.place.1);
                 bus.add(&field, back, -slope * kept / count);
                 moving = stored.variance;
                 for (k, uneven) in uneven.iter_mut().enumerate() {
                     let more = f64::from(isa::uneven(part, stores.len(), k));
-                    uneven.add(
-                        &field,
-                        back,
-                        -slope * kept * errors.division_mismatch * more,
-                    );
+                    uneven.add(&field, back, -slope * kept * division_mismatch * more);
                 }
             }
             if !read {
@@ -437,36 +445,21 @@ fn limited(mean: f64, spread: f64, most: f64, (low, high): (f64, f64)) -> Limite
 impl Filter {
     /// What is predicted to come out of the chip, for each result.
     #[must_use]
-    pub fn forecast(
-        &self,
-        device: &Device,
-        (input, results): (Analog, &[Analog]),
-        kernels: &[Kernel],
-        signal: Signal,
-    ) -> Vec<Forecast> {
-        forecasts(&self.words, device, (input, results), kernels, signal)
+    pub fn forecast(&self, device: &Device, kernels: &[Kernel], signal: Signal) -> Vec<Forecast> {
+        let registers = (self.input, &self.results[..]);
+        forecasts(&self.words, device, registers, kernels, signal)
     }
 
     /// The same at the amplitude of [`Signal::AMPLITUDES`] at which the worst result is best.
     #[must_use]
-    pub fn best_forecast(
-        &self,
-        device: &Device,
-        (input, results): (Analog, &[Analog]),
-        kernels: &[Kernel],
-    ) -> Vec<Forecast> {
-        best(|signal| self.forecast(device, (input, results), kernels, signal))
+    pub fn best_forecast(&self, device: &Device, kernels: &[Kernel]) -> Vec<Forecast> {
+        best(|signal| self.forecast(device, kernels, signal))
     }
 
     /// The signal of [`best_forecast`](Self::best_forecast).
     #[must_use]
-    pub fn best_signal(
-        &self,
-        device: &Device,
-        registers: (Analog, &[Analog]),
-        kernels: &[Kernel],
-    ) -> Signal {
-        let best = self.best_forecast(device, registers, kernels);
+    pub fn best_signal(&self, device: &Device, kernels: &[Kernel]) -> Signal {
+        let best = self.best_forecast(device, kernels);
         Signal::around_zero(best.first().map_or(1.0, |it| it.amplitude))
     }
 }

@@ -13,7 +13,7 @@ use crate::{
         bus_word::{Wired, wired},
         filter::Filter,
     },
-    isa::{self, Analog, Device, Errors},
+    isa::{self, Analog, Device, Errors, StoreTerms},
 };
 
 /// What a filter adds to its result, as standard deviations in LSB.
@@ -68,16 +68,10 @@ impl Filter {
     /// both; saturation is left out. As silicon's store in `array` has it, with the numbers of
     /// `[figure.error]` in the chip's data.
     #[must_use]
-    pub fn noise(
-        &self,
-        device: &Device,
-        input: Analog,
-        level: f64,
-        results: &[Analog],
-    ) -> Vec<FilterNoise> {
+    pub fn noise(&self, device: &Device, level: f64) -> Vec<FilterNoise> {
         let mut held: BTreeMap<usize, ErrorForm> = BTreeMap::new();
         held.insert(
-            usize::from(input.0),
+            usize::from(self.input.0),
             ErrorForm {
                 level,
                 ..ErrorForm::default()
@@ -99,7 +93,7 @@ impl Filter {
                     fixed: spread(form, false),
                 })
         };
-        results.iter().map(noise).collect()
+        self.results.iter().map(noise).collect()
     }
 }
 
@@ -110,27 +104,32 @@ fn run(held: &mut BTreeMap<usize, ErrorForm>, errors: &Errors, at: usize, word: 
             bus.add(form, *place, 1.0);
         }
     }
+    let StoreTerms {
+        transfer,
+        division,
+        offset_mismatch,
+        division_mismatch,
+        noise,
+        // In `Errors::gain` and `Errors::of_gain`.
+        loss: _,
+        gain_mismatch: _,
+        mismatch_correlation: _,
+    } = errors.of_a_store();
     let gain = errors.gain(0.0);
     let count = word.targets.len();
     for (part, (target, (y, x))) in word.targets.iter().enumerate() {
         let current = bus.level / count as f64;
         let mut cell = ErrorForm::default();
         cell.add(&bus, (-y, -x), gain / count as f64);
-        cell.level += errors.transfer;
+        cell.level += transfer;
         cell.draw(Draw::Gain(*target), errors.of_gain(current));
-        cell.draw(
-            Draw::Offset(*target),
-            errors.offset_mismatch * errors.apart(),
-        );
-        cell.draw(Draw::Store(at, part), errors.noise);
+        cell.draw(Draw::Offset(*target), offset_mismatch * errors.apart());
+        cell.draw(Draw::Store(at, part), noise);
         if count > 1 {
-            cell.level += errors.division;
+            cell.level += division;
             for k in 0..count - 1 {
                 let more = f64::from(isa::uneven(part, count, k));
-                cell.draw(
-                    Draw::Split(k),
-                    gain * current * errors.division_mismatch * more,
-                );
+                cell.draw(Draw::Split(k), gain * current * division_mismatch * more);
             }
         }
         held.insert(*target, cell);

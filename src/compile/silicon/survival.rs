@@ -326,7 +326,7 @@ impl<'a> Choice<'a> {
         };
         let request = self.request;
         let filter = Filter::from_solved(
-            (request.device, &request.into),
+            (request.device, request.input, &request.into),
             (request.range, request.compares_differences()),
             &solved,
             self.unit << best.bits,

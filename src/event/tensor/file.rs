@@ -1,4 +1,4 @@
-//! Voxels and what is like them in a file, layer after layer, in memory that does not grow.
+//! Voxels, time surfaces or event frames in a file, layer after layer, in memory that does not grow.
 
 use std::{
     io::{self, BufWriter, Seek, SeekFrom, Write},
@@ -42,16 +42,18 @@ impl Precision {
 pub enum Container {
     /// numpy's array.
     Npy,
-    /// numpy's archive of arrays: `voxels`, and the names of the kinds as `kinds`.
+    /// numpy's archive of arrays: the array by its name, and the names of the kinds as `kinds`.
     Npz,
-    /// HDF5: the data set `voxels`, a chunk for each layer, and in the file's attribute `kinds` the
-    /// names, a line each.
+    /// HDF5: a data set of the array's name, a chunk for each layer, and in the file's attribute
+    /// `kinds` the names, a line each.
     Hdf5,
 }
 
 /// What every layer of a file is like.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
+    /// What the array is called in an archive or in HDF5, such as `voxels`.
+    pub name: &'static str,
     /// Shape of a layer; that of the array has the number of layers before it.
     pub shape: Vec<usize>,
     /// How numbers are held.
@@ -59,9 +61,6 @@ pub struct Layers {
     /// What the kinds of cells are called; empty where nobody says so.
     pub kinds: Vec<String>,
 }
-
-/// What the array is called in an archive.
-pub(super) const NAME: &str = "voxels";
 
 /// Bytes kept for the header of an array, a multiple of 64 as the format asks.
 const HEADER: usize = 192;
@@ -192,7 +191,7 @@ impl Body {
                 rest.write_all(&header)?;
                 rest.flush()?;
                 let mut steady = Steady::new(out);
-                let written = archive(&mut steady, rest.get_mut(), &layers.kinds);
+                let written = archive(&mut steady, rest.get_mut(), layers);
                 // The first error.
                 steady.lost.map_or(written, Err)
             }
@@ -230,7 +229,7 @@ fn header(layers: &Layers, count: u64) -> io::Result<Vec<u8>> {
     framed(&text, HEADER)
 }
 
-fn archive(out: &mut Steady<'_>, array: &mut std::fs::File, kinds: &[String]) -> io::Result<()> {
+fn archive(out: &mut Steady<'_>, array: &mut std::fs::File, layers: &Layers) -> io::Result<()> {
     let length = array.seek(SeekFrom::End(0))?;
     array.seek(SeekFrom::Start(0))?;
     let mut zip = ZipWriter::new(out);
@@ -238,11 +237,11 @@ fn archive(out: &mut Steady<'_>, array: &mut std::fs::File, kinds: &[String]) ->
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .large_file(length >= 1 << 31);
-    zip.start_file(format!("{NAME}.npy"), options)?;
+    zip.start_file(format!("{}.npy", layers.name), options)?;
     io::copy(array, &mut zip)?;
-    if !kinds.is_empty() {
+    if !layers.kinds.is_empty() {
         zip.start_file("kinds.npy", options)?;
-        zip.write_all(&texts(kinds)?)?;
+        zip.write_all(&texts(&layers.kinds)?)?;
     }
     zip.finish()?;
     Ok(())
@@ -276,6 +275,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         let layers = Layers {
+            name: "voxels",
             shape: vec![2, 3],
             precision,
             kinds: vec!["é".to_owned(), "two".to_owned()],
@@ -343,6 +343,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("a.h5");
             let layers = Layers {
+                name: "voxels",
                 shape: vec![300],
                 precision: Precision::Single,
                 kinds: Vec::new(),

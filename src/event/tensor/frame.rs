@@ -7,7 +7,10 @@ use super::{
     sides::Sides,
     sorted,
 };
-use crate::event::{Packet, outside};
+use crate::{
+    event::{Event, Packet, outside},
+    plane::Size,
+};
 
 /// What a pixel of an event frame holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,36 +44,36 @@ pub fn frames(
     fill: Fill,
 ) -> Result<Vec<i32>, TensorError> {
     outside::check(&packet.events, packet.size, packet.channels)?;
-    let pixels = packet.size.pixels();
-    let planes = usize::from(packet.channels) * sides.count();
-    let cells = pixels.saturating_mul(planes);
+    let cells = packet
+        .size
+        .pixels()
+        .saturating_mul(usize::from(packet.channels) * sides.count());
     let events = sorted(&packet.events);
     let parts = events.chunks(each.max(1));
     let mut out = vec![0; room(parts.len() as u64, "event frames", cells)?];
     for (events, out) in parts.zip(out.chunks_mut(cells.max(1))) {
-        for event in events {
-            let plane = usize::from(event.channel) * sides.count() + sides.plane(event.polarity);
-            let pixel = usize::from(event.y) * packet.size.width + usize::from(event.x);
-            if let Some(cell) = out.get_mut(plane * pixels + pixel) {
-                let sign = sides.sign(event.polarity);
-                *cell = match fill {
-                    Fill::Count => *cell + sign,
-                    Fill::Last => sign,
-                };
-            }
-        }
+        draw(events, packet.size, sides, fill, out);
     }
     Ok(out)
+}
+
+/// Draws events, in the order of their times, into a frame.
+pub(super) fn draw(events: &[Event], size: Size, sides: Sides, fill: Fill, frame: &mut [i32]) {
+    for event in events {
+        if let Some(cell) = frame.get_mut(sides.place(event, size)) {
+            let sign = sides.sign(event.polarity);
+            *cell = match fill {
+                Fill::Count => *cell + sign,
+                Fill::Last => sign,
+            };
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        event::{Event, Polarity},
-        plane::Size,
-        unit::Micros,
-    };
+    use crate::{event::Polarity, unit::Micros};
 
     #[test]
     fn frames_of_three_events() {

@@ -10,7 +10,7 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 use flate2::{Compression, write::ZlibEncoder};
 
-use super::file::{Layers, NAME, Precision};
+use super::file::{Layers, Precision};
 
 /// Bytes of the superblock.
 const SUPERBLOCK: u64 = 48;
@@ -211,8 +211,8 @@ fn float(precision: Precision) -> Vec<u8> {
 fn root_group(layers: &Layers, array: u64) -> Vec<u8> {
     let mut links = vec![0, 0];
     links.extend([NOWHERE, NOWHERE].iter().flat_map(|n| n.to_le_bytes()));
-    let mut link = vec![1, 0, NAME.len() as u8];
-    link.extend(NAME.bytes());
+    let mut link = vec![1, 0, layers.name.len() as u8];
+    link.extend(layers.name.bytes());
     link.extend(array.to_le_bytes());
     // A text of no letters has no size.
     let mut text = layers.kinds.join("\n").into_bytes();

@@ -6,23 +6,28 @@
 mod error;
 mod file;
 mod frame;
+mod frame_stream;
 mod hdf5;
+mod last_event;
 mod normalise;
 mod period;
 mod sides;
 mod stream;
 mod sums;
 mod surface;
+mod surface_stream;
 mod voxels;
 mod windows;
 
 pub use error::{MOST_BINS, TensorError};
 pub use file::{Container, Layers, Precision, TensorFile};
 pub use frame::{Fill, frames};
+pub use frame_stream::FrameStream;
 pub use normalise::Normalise;
 pub use sides::Sides;
 pub use stream::VoxelStream;
 pub use surface::{Decay, TimeSurface};
+pub use surface_stream::SurfaceStream;
 pub use voxels::{Share, Voxels};
 pub use windows::{Alignment, Windows};
 

@@ -3,7 +3,10 @@
 use std::str::FromStr;
 
 use super::error::{TensorError, named};
-use crate::event::Polarity;
+use crate::{
+    event::{Event, Polarity},
+    plane::Size,
+};
 
 /// What becomes of the sign of an event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,5 +55,11 @@ impl Sides {
             Self::Signed => polarity.sign(),
             Self::Split => 1,
         }
+    }
+
+    /// The place of an event's cell in `[channel][side][y, x]`.
+    pub(super) fn place(self, event: &Event, size: Size) -> usize {
+        let plane = usize::from(event.channel) * self.count() + self.plane(event.polarity);
+        plane * size.pixels() + usize::from(event.y) * size.width + usize::from(event.x)
     }
 }

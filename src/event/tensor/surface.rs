@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::{
     error::{TensorError, check_room, named, time},
+    last_event::{LastEvent, LastEvents},
     sides::Sides,
     sorted,
 };
@@ -48,12 +49,6 @@ pub struct TimeSurface {
     pub sides: Sides,
 }
 
-/// A cell that has not fired.
-const NEVER: u64 = u64::MAX;
-
-/// When a cell fired last, and the sign of that event.
-type Last = (u64, f32);
-
 impl TimeSurface {
     /// Surfaces that forget within `tau` seconds.
     ///
@@ -74,45 +69,51 @@ impl TimeSurface {
     /// When an event lies outside of the packet, or the surfaces are more than this machine holds.
     pub fn of(&self, packet: &Packet, times: &[Micros]) -> Result<Vec<f32>, TensorError> {
         outside::check(&packet.events, packet.size, packet.channels)?;
-        let pixels = packet.size.pixels();
-        let planes = usize::from(packet.channels) * self.sides.count();
-        let each = pixels.saturating_mul(planes);
         let held = self.held(packet.size, packet.channels, times.len());
         check_room(times.len() as u64, "time surfaces", held)?;
+        let each = self.len(packet.size, packet.channels);
         let events = sorted(&packet.events);
         let mut order: Vec<usize> = (0..times.len()).collect();
         order.sort_by_key(|n| times[*n]);
         let mut out = vec![0.0; times.len() * each];
-        let mut last: Vec<Last> = vec![(NEVER, 0.0); each];
-        let mut events = events.iter().peekable();
+        let mut last = LastEvents::new(*self, packet.size, packet.channels);
+        let mut rest = &events[..];
         for n in order {
-            let now = times[n];
-            while let Some(event) = events.next_if(|event| event.t <= now) {
-                let plane = usize::from(event.channel) * self.sides.count();
-                let plane = plane + self.sides.plane(event.polarity);
-                let pixel = usize::from(event.y) * packet.size.width + usize::from(event.x);
-                if let Some(cell) = last.get_mut(plane * pixels + pixel) {
-                    *cell = (event.t.0, self.sides.sign(event.polarity) as f32);
-                }
-            }
-            for (out, (when, sign)) in out[n * each..(n + 1) * each].iter_mut().zip(&last) {
-                if *when != NEVER {
-                    *out = sign * self.left(Micros(now.0 - when));
-                }
-            }
+            let (seen, later) = rest.split_at(rest.partition_point(|e| e.t <= times[n]));
+            last.take(seen);
+            last.surface(times[n], &mut out[n * each..(n + 1) * each]);
+            rest = later;
         }
         Ok(out)
+    }
+
+    /// The shape of a surface: kinds of cells, sides, rows, columns.
+    #[must_use]
+    pub const fn shape(&self, size: Size, channels: u8) -> [usize; 4] {
+        [
+            channels as usize,
+            self.sides.count(),
+            size.height,
+            size.width,
+        ]
+    }
+
+    /// Values of a surface.
+    #[must_use]
+    pub fn len(&self, size: Size, channels: u8) -> usize {
+        let sides = self.shape(size, channels);
+        sides.into_iter().fold(1, usize::saturating_mul)
     }
 
     /// Bytes that are held when so many surfaces are made: they, and when each cell fired last.
     #[must_use]
     pub fn held(&self, size: Size, channels: u8, count: usize) -> u128 {
-        let planes = usize::from(channels) * self.sides.count();
-        let cells = size.pixels() as u128 * planes as u128;
-        cells.saturating_mul(count as u128 * 4 + size_of::<Last>() as u128)
+        let cells = self.len(size, channels) as u128;
+        cells.saturating_mul(count as u128 * 4 + size_of::<LastEvent>() as u128)
     }
 
-    fn left(&self, age: Micros) -> f32 {
+    /// What is left of an event of this age.
+    pub(super) fn left(&self, age: Micros) -> f32 {
         let age = age.seconds() / self.tau;
         match self.decay {
             Decay::Exponential => elementary::exp(-age) as f32,

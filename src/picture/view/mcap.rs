@@ -1,4 +1,4 @@
-//! A packet as an MCAP recording, for Foxglove, rerun and other viewers of ROS 2: for each kind of
+//! A packet as an MCAP recording, for viewers of ROS 2: for each kind of
 //! cell its events (`dvs_msgs/msg/EventArray`) and pictures of them (`sensor_msgs/msg/Image`), window
 //! by window.
 //!

@@ -52,8 +52,7 @@ impl<N: Number> Cells<N> {
             filtered.extend_from_slice(&scratch.drive);
             pixels.extend_from_slice(signal.inner(y));
         }
-        let steps = description.memory == MemoryRule::FilteredStep;
-        let before = if steps {
+        let before = if description.memory.crosses_levels() {
             Aligned::from_slice(5, &filtered)
         } else {
             Aligned::default()

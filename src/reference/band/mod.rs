@@ -14,6 +14,8 @@ use crate::{
     sensor::SensorError,
 };
 
+#[cfg(test)]
+use super::memory::Stepped;
 use super::{
     drive::{self, Made, Parts},
     memory::Memory,
@@ -123,6 +125,32 @@ impl<N: Number> Band<N> {
         see(plan, &mut self.signal, light)?;
         self.most = f64::max(self.most, largest(plan, &self.signal));
         Ok(())
+    }
+
+    /// Bytes of its cells that must last to the next frame.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> usize {
+        let Cells {
+            memory,
+            before,
+            fired,
+            // Drawn anew, it is the same.
+            leak: _,
+        } = &self.cells;
+        let held = size_of::<N::Held>();
+        let stepped = |it: &Stepped<N>| {
+            let Stepped { base, net, off } = it;
+            size_of_val(&**base) + size_of_val(&**net) + off.as_ref().map_or(0, |off| 8 * off.len())
+        };
+        let memory = match memory {
+            // The distances are for the report.
+            Memory::RawSnap { pixels, before: _ } => held * pixels.len(),
+            Memory::FilteredSnap { filtered, pixels } => {
+                held * (filtered.len() + pixels.as_ref().map_or(0, Vec::len))
+            }
+            Memory::FilteredStep(it) | Memory::PixelStep(it) => stepped(it),
+        };
+        memory + held * (before.len() + self.picture.len()) + 8 * fired.len()
     }
 
     /// Row `y` of a pixel memory, or of the filtered one.

@@ -110,10 +110,14 @@ impl Reader<'_> {
         let names = names(section.get("name"), kinds)?;
         let memory_kernel =
             self.memory_kernel(memory, section.get("memory-kernel"), gain, section.place())?;
-        let kernels = kernels
-            .iter()
-            .map(|kernel| scaled(kernel, gain, kernel_place))
-            .collect::<Read<Vec<_>>>()?;
+        let kernels = match &surrounds {
+            // The gain is in the mesh.
+            Some(_) => kernels,
+            None => kernels
+                .iter()
+                .map(|kernel| scaled(kernel, gain, kernel_place))
+                .collect::<Read<_>>()?,
+        };
         let whole = Channel {
             name: None,
             kernels,
@@ -138,11 +142,7 @@ impl Reader<'_> {
 
 fn refractory(memory: MemoryRule, section: Option<Node<'_>>) -> Read<Refractory> {
     let Some(node) = section else {
-        let rule = match memory {
-            MemoryRule::AuthorsPixelStep => RefractoryRule::Authors,
-            _ => RefractoryRule::DeadTime,
-        };
-        return Ok(Refractory { us: 0.0, rule });
+        return Ok(memory.unstated_refractory());
     };
     let section = Section::new(node, &REFRACTORY);
     let rule = section.word("rule", RefractoryRule::ALL)?;

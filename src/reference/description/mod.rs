@@ -24,7 +24,9 @@
 mod changed;
 mod channel;
 mod check;
+mod effect;
 mod growth;
+mod influence;
 mod kernels;
 pub mod keys;
 mod lost;
@@ -39,6 +41,8 @@ mod text;
 pub use self::{
     changed::ChangeError,
     channel::{Channel, Threshold},
+    effect::Effect,
+    influence::{Alone, InBetween, Influence, Region, Stage},
     open::OpenError,
     reader::ReadFile,
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},

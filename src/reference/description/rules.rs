@@ -36,6 +36,71 @@ impl MemoryRule {
             Self::FilteredSnap | Self::FilteredStep => false,
         }
     }
+
+    /// Whether cells fire where the drive crosses levels a threshold apart, on the straight line between
+    /// two frames; else at the later frame, or along a line from their memory.
+    #[must_use]
+    pub const fn crosses_levels(self) -> bool {
+        match self {
+            Self::FilteredStep => true,
+            Self::RawSnap | Self::FilteredSnap | Self::AuthorsPixelStep => false,
+        }
+    }
+
+    /// Whether it may move in a cell whose own light does not change.
+    #[must_use]
+    pub const fn moves_alone(self) -> bool {
+        match self {
+            Self::AuthorsPixelStep => true,
+            Self::RawSnap | Self::FilteredSnap | Self::FilteredStep => false,
+        }
+    }
+
+    /// Whether kernels see how far pixels are from it; else pixels and it are seen apart.
+    #[must_use]
+    pub const fn is_seen_from_pixels(self) -> bool {
+        match self {
+            Self::RawSnap => true,
+            Self::FilteredSnap | Self::FilteredStep | Self::AuthorsPixelStep => false,
+        }
+    }
+
+    /// Whether it is the same for all kinds of cells of a pixel, so that they may share one.
+    #[must_use]
+    pub const fn may_be_shared(self) -> bool {
+        match self {
+            Self::RawSnap => true,
+            Self::FilteredSnap | Self::FilteredStep | Self::AuthorsPixelStep => false,
+        }
+    }
+
+    /// Whether it is seen through a kernel of its own.
+    #[must_use]
+    pub const fn has_kernel(self) -> bool {
+        match self {
+            Self::AuthorsPixelStep => true,
+            Self::RawSnap | Self::FilteredSnap | Self::FilteredStep => false,
+        }
+    }
+
+    /// The refractory rules that it can have; that of a sensor file that states none comes first.
+    #[must_use]
+    pub const fn refractory_rules(self) -> &'static [RefractoryRule] {
+        use RefractoryRule::{Authors, DeadTime};
+        match self {
+            Self::RawSnap | Self::FilteredSnap => &[DeadTime],
+            Self::FilteredStep => &[DeadTime, Authors],
+            Self::AuthorsPixelStep => &[Authors],
+        }
+    }
+
+    /// The refractory period of a sensor file that states none: not at all, by the rule that the memory
+    /// has.
+    #[must_use]
+    pub const fn unstated_refractory(self) -> Refractory {
+        let rule = self.refractory_rules()[0];
+        Refractory { us: 0.0, rule }
+    }
 }
 
 listed! {

@@ -69,10 +69,7 @@ impl Description {
             let what = format!("a refractory period of {us} us");
             return Err(Odd::new(what, "give microseconds, 0 or more"));
         }
-        // Without a period there is no rule of it.
-        if us > 0.0 {
-            refractory(self.memory, rule)?;
-        }
+        refractory(self.memory, rule)?;
         if let Some((key, value)) = odd_noise(&self.noise) {
             // The field that has the key's number.
             let what = format!("noise {} of {value}", key.replace('-', "_"));
@@ -124,8 +121,9 @@ impl Channel {
         }
         if let Some(surrounds) = &self.surrounds {
             mesh(memory, kernels > 1, self.log_temporal)?;
-            let is_pixel = self.kernels.iter().all(|kernel| kernel.reach() == (0, 0));
-            let help = "give a kernel of one weight: the mesh stands in place of the kernel";
+            let is_pixel = |kernel: &Kernel| kernel.weights().iter().eq([&1.0]);
+            let is_pixel = self.kernels.iter().all(is_pixel);
+            let help = "give a kernel of one weight of 1: the mesh stands in place of the kernel";
             unless(is_pixel, "a kernel beside a mesh", help)?;
             if let Some((what, help)) = surrounds.odd() {
                 return Err(Odd::new(what, help));
@@ -154,23 +152,26 @@ pub(super) fn channels(number: usize) -> Result<(), Odd> {
 
 /// Which refractory rule a memory can have.
 pub(super) fn refractory(memory: MemoryRule, rule: RefractoryRule) -> Result<(), Odd> {
-    let authors = rule == RefractoryRule::Authors;
-    unless(
-        memory.steps() || !authors,
-        "refractory rule = \"authors\" counts the steps of a memory, but this memory snaps",
-        "use rule = \"dead-time\", or memory = \"filtered-step\"",
-    )?;
-    unless(
-        memory != MemoryRule::AuthorsPixelStep || authors,
-        "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory rule is its own",
-        "use rule = \"authors\"",
-    )
+    if memory.refractory_rules().contains(&rule) {
+        return Ok(());
+    }
+    let (what, help) = match rule {
+        RefractoryRule::Authors => (
+            "refractory rule = \"authors\" counts the steps of a memory, but this memory snaps",
+            "use rule = \"dead-time\", or memory = \"filtered-step\"",
+        ),
+        RefractoryRule::DeadTime => (
+            "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory rule is its own",
+            "use rule = \"authors\"",
+        ),
+    };
+    Err(Odd::new(what, help))
 }
 
 /// Whether one memory serves all kinds: only a memory of pixels is the same for all of them.
 pub(super) fn shared(memory: MemoryRule, shared: bool) -> Result<(), Odd> {
     unless(
-        !shared || memory == MemoryRule::RawSnap,
+        !shared || memory.may_be_shared(),
         "shared = true is for memory = \"raw-snap\": a picture of the pixels is the same for all kinds, a filtered signal is each kind's own",
         "use memory = \"raw-snap\", or leave shared out",
     )
@@ -222,7 +223,7 @@ pub(super) fn log_temporal(memory: MemoryRule, log_temporal: bool) -> Result<(),
 
 /// Which memories are seen through a kernel of their own, and through which they are stable.
 pub(super) fn memory_kernel(memory: MemoryRule, kernel: Option<&Kernel>) -> Result<(), Odd> {
-    let authors = memory == MemoryRule::AuthorsPixelStep;
+    let authors = memory.has_kernel();
     unless(
         !authors || kernel.is_some(),
         "memory = \"authors-pixel-step\" needs a memory-kernel",

@@ -28,7 +28,7 @@ impl Warning {
                 "all slots of the program would lose {share}; the figures here still count them"
             ),
             "more cells fire in a frame than one scan delivers",
-            "have the program read whole bit planes (amacrine compile --readout planes), or raise the threshold",
+            "have the program read whole bit planes (`amacrine compile --readout planes`), or raise the threshold",
         )
     }
 
@@ -54,7 +54,7 @@ impl Warning {
             subject,
             format!("{share} are lost in rows that the readout does not scan"),
             "the program reads only some rows, and cells fired in others",
-            "compile it for this scene (--scene), read all rows (compile --readout planes, or slots), or ignore this if only those rows matter",
+            "compile it for this scene (--scene), read all rows (`compile --readout planes`, or slots), or ignore this if only those rows matter",
         )
     }
 

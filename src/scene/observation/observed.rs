@@ -9,6 +9,7 @@ use std::{
 use super::{
     cut::{Cut, Cuts},
     repeated_frames::{Repeated, Repeats},
+    seen_light::SeenLight,
 };
 use crate::{
     elementary,
@@ -69,6 +70,20 @@ impl Observation {
     #[must_use]
     pub fn light(&self) -> Option<Light> {
         self.seen().light
+    }
+
+    /// What studies tell of the light; none before a scene is watched.
+    #[must_use]
+    pub fn seen_light(&self) -> Option<SeenLight> {
+        let light = self.light()?;
+        let (least, most) = self.extent().unzip();
+        Some(SeenLight {
+            light,
+            least,
+            most,
+            assumed_fps: self.assumed_fps(),
+            cuts: self.cuts(),
+        })
     }
 
     /// How samples became light, and what there was of numbers without a scale of their own; none

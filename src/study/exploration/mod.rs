@@ -12,10 +12,12 @@
 //! on it is beaten in all of kept, words and frames/s. The knee is the shortest program that keeps
 //! at least [`NEARLY`] of the most that any keeps.
 
+mod answer;
 mod candidate;
 mod doubts;
 mod error;
 
+pub use answer::Answer;
 pub use candidate::{Candidate, Exploration, Kind, NEARLY, RatedThresholds, Refused};
 pub use error::{ExplorationError, Untaken};
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Time};
 use crate::{
     compile::{FilterNoise, SensorProgram},
-    isa::{Analog, Cell, Device, Evidence, Figure},
+    isa::{Cell, Device, Evidence, Figure, Role},
     program::{CellEffect, Code, Cost},
 };
 
@@ -122,16 +122,18 @@ impl Noise {
     fn new(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
         let filter = &program.filter;
         let of = |device: &Device| {
-            let of = filter.noise(device, Analog(0), FilterNoise::MIDDLE, &program.drives);
+            let of = filter.noise(device, FilterNoise::MIDDLE);
             of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed))
         };
         let (temporal, fixed) = of(device);
-        let noisiest = Named::Figure(Figure::StoreNoise).ends(device)[1];
-        let noisiest = device.clone().what_if(Figure::StoreNoise, noisiest);
+        let noisiest = Figure::in_role(Role::Noise).try_fold(device.clone(), |device, figure| {
+            let most = Named::Figure(figure).ends(&device)[1];
+            device.what_if(figure, most)
+        });
         let noisiest = noisiest.map_or(temporal, |device| of(&device).0);
-        let made_of = |value, figures: &[Figure], source: &str| {
+        let made_of = |value, role: Role, source: &str| {
             let one = Estimate::one(value, "LSB", Evidence::Modelled, source);
-            let figures: Vec<Named> = figures.iter().copied().map(Named::Figure).collect();
+            let figures: Vec<Named> = Figure::in_role(role).map(Named::Figure).collect();
             one.made_of(device, &figures)
         };
         // A decision takes the difference of two frames.
@@ -140,16 +142,12 @@ impl Noise {
             at_lsb: FilterNoise::MIDDLE,
             temporal: made_of(
                 temporal,
-                &[Figure::StoreNoise],
+                Role::Noise,
                 "noise of every store, to first order, at the value of the chip's data",
             ),
             fixed: made_of(
                 fixed,
-                &[
-                    Figure::GainMismatch,
-                    Figure::OffsetMismatch,
-                    Figure::DivisionMismatch,
-                ],
+                Role::Mismatch,
                 "mismatch of every store and of every bus that splits, to first order, at the values of the chip's data",
             ),
             threshold_lsb,

@@ -12,9 +12,6 @@ use crate::{
     },
 };
 
-/// The candidates of whoever names none, as the command line takes them.
-pub const CANDIDATES: &str = "ternary,po2-2,po2-4,int-3,int-5";
-
 /// F1 of candidates closer than this are a tie: then fewer words win.
 pub const ALIKE: f64 = 0.005;
 

@@ -38,7 +38,7 @@ mod watched;
 pub use answer::{ChipSummary, Chosen, Feasibility, Fit, KernelSummary, Streams};
 pub use assumption::Assumption;
 pub use at_rate::{AtRate, at_rate};
-pub use choice::{ALIKE, CANDIDATES};
+pub use choice::ALIKE;
 pub use error::FeasibilityError;
 pub use estimate::Estimate;
 pub use explain::explain;

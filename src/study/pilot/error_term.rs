@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use crate::{config::listed, isa::Errors};
+use crate::{
+    config::listed,
+    isa::{Errors, Role},
+};
 
 listed! {
 /// A kind of error of analogue cells.
@@ -25,6 +28,19 @@ pub enum ErrorTerm {
 }
 
 impl ErrorTerm {
+    /// The one that a figure of the chip belongs to.
+    #[must_use]
+    pub const fn of(role: Role) -> Option<Self> {
+        match role {
+            Role::Systematic => Some(Self::Transfer),
+            Role::Mismatch => Some(Self::Mismatch),
+            Role::Noise => Some(Self::Noise),
+            Role::Range => Some(Self::Saturation),
+            Role::Decay => Some(Self::Decay),
+            Role::None => None,
+        }
+    }
+
     /// The errors without it.
     pub const fn leave_out(self, errors: &mut Errors) {
         match self {
@@ -35,7 +51,7 @@ impl ErrorTerm {
             }
             Self::Mismatch => {
                 (errors.gain_mismatch, errors.offset_mismatch) = (0.0, 0.0);
-                errors.division_mismatch = 0.0;
+                (errors.mismatch_correlation, errors.division_mismatch) = (0.0, 0.0);
             }
             Self::Noise => errors.noise = 0.0,
             Self::Decay => (errors.decay, errors.retention) = (0.0, f64::INFINITY),
@@ -65,7 +81,7 @@ impl fmt::Display for ErrorTerm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::isa::Device;
+    use crate::isa::{Device, Figure};
 
     #[test]
     fn without_all_terms_nothing_errs() {
@@ -80,6 +96,7 @@ mod tests {
             division,
             gain_mismatch,
             offset_mismatch,
+            mismatch_correlation,
             division_mismatch,
             noise,
             input_step,
@@ -87,14 +104,32 @@ mod tests {
             decay,
             retention,
             // Of no effect where the others are 0.
-            mismatch_correlation: _,
             reset_level: _,
             retention_spread: _,
         } = errors;
         let of_a_store = [transfer, loss, division, noise, input_step, decay];
-        let mismatch = [gain_mismatch, offset_mismatch, division_mismatch];
-        assert_eq!((of_a_store, mismatch), ([0.0; 6], [0.0; 3]));
+        let mismatch = [
+            gain_mismatch,
+            offset_mismatch,
+            mismatch_correlation,
+            division_mismatch,
+        ];
+        assert_eq!((of_a_store, mismatch), ([0.0; 6], [0.0; 4]));
         let infinite = f64::INFINITY;
         assert_eq!((range, retention), ((-infinite, infinite), infinite));
+    }
+    /// What a term leaves out has all figures of its role in it.
+    #[test]
+    fn each_figure_of_a_store_is_left_out_with_its_term() {
+        for figure in Figure::of_a_store() {
+            let term = ErrorTerm::of(figure.role()).unwrap();
+            let without = [0.5, 0.25].map(|value| {
+                let device = Device::scamp5().what_if(figure, value).unwrap();
+                let mut errors = Errors::from_device(&device);
+                term.leave_out(&mut errors);
+                errors
+            });
+            assert_eq!(without[0], without[1], "{figure} stays without {term}");
+        }
     }
 }

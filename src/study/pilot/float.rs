@@ -6,13 +6,13 @@ use crate::{
     number::Format,
     photoreceptor::Curve,
     plane::Size,
-    reference::{Border, Description, Reference, bands_of},
+    reference::{Border, Description, Effect, Reference, Region, bands_of},
     sensor::{Sensor, SensorError},
     study::design,
 };
 
 use super::{
-    effect::{Choice, Effect},
+    choice::Choice,
     estimate::{History, Unseen},
     family::Family,
     look::Look,
@@ -120,8 +120,7 @@ impl Family for Floats<'_> {
     }
 
     fn fires_alone(&self) -> bool {
-        let noise = &self.description.noise;
-        noise.fires() || noise.leak_hz > 0.0
+        self.description.fires_alone()
     }
 
     fn sees_inserted(&self, model: &Choice) -> bool {
@@ -158,14 +157,10 @@ impl Family for Floats<'_> {
     fn unseen(&self, model: &Choice, look: &Look) -> Unseen {
         let saturates =
             model.format != Format::F64 && rule::may_saturate(model.format, self.description, look);
-        let of_the_scene = [
-            Effect::InsertedFrames,
-            Effect::DeadTime,
-            Effect::Bandwidth,
-            Effect::Mismatch,
-        ];
-        let left_out = |effect| model.leaves_out(effect) && !self.base.leaves_out(effect);
-        let history = if saturates || of_the_scene.into_iter().any(left_out) {
+        let of_the_scene = |effect: &Effect| {
+            effect.influence().unseen == Region::Tile && !self.base.leaves_out(*effect)
+        };
+        let history = if saturates || model.without.iter().any(of_the_scene) {
             History::Tile
         } else if model.format != self.base.format {
             History::Alike

@@ -2,12 +2,12 @@
 
 use std::str::FromStr;
 
-use super::{
-    chips::Machine,
-    effect::{Choice, Effect},
-    error_term::ErrorTerm,
+use super::{chips::Machine, choice::Choice, error_term::ErrorTerm};
+use crate::{
+    array::Arithmetic,
+    config::suggestion_or,
+    reference::{Description, Effect},
 };
-use crate::{array::Arithmetic, config::suggestion_or, reference::Description};
 
 /// A name of nothing that can be left out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]

@@ -15,8 +15,8 @@
 pub mod answer;
 pub mod change;
 pub mod chips;
+pub mod choice;
 pub mod draw;
-pub mod effect;
 pub mod error_term;
 pub mod estimate;
 pub mod family;
@@ -41,7 +41,7 @@ mod value;
 pub use answer::{Answer, Offer};
 pub use change::Change;
 pub use chips::{Chips, Machine};
-pub use effect::{Choice, Effect};
+pub use choice::Choice;
 pub use error_term::ErrorTerm;
 pub use estimate::{ChangeEstimate, History, NoLimit, Unseen};
 pub use family::Family;

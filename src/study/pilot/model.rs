@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 use crate::{
     event::Packet,
     plane::Size,
-    reference::{EventList, Limit, Sinks},
+    reference::{Effect, EventList, Limit, Sinks},
     rig,
     scene::{Scene, upsample},
     unit::Micros,
 };
 
 use super::{
-    effect::{Choice, Effect},
+    choice::Choice,
     part::Part,
     plan::{Crop, Plan, PlanError, Question},
 };

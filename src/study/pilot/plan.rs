@@ -7,7 +7,7 @@ use crate::{
     kernel::Kernel,
     number::Format,
     plane::Size,
-    reference::{Description, MemoryRule},
+    reference::{Description, Effect},
     scene::{SceneError, kept::Kept},
     sensor::SensorError,
     unit::Micros,
@@ -15,7 +15,7 @@ use crate::{
 
 use super::{
     answer::Offer,
-    effect::{Choice, Effect},
+    choice::Choice,
     estimate::ChangeEstimate,
     family::Family as _,
     first_frames::clocked,
@@ -359,12 +359,8 @@ fn candidates(question: &Question<'_>, base: &Choice) -> Vec<(String, Choice)> {
 
 /// Whether a cell may fire that no change of the light is near.
 fn may_fire_anywhere(description: &Description) -> bool {
-    let noise = &description.noise;
-    noise.fires()
-        || noise.leak_hz > 0.0
-        // This memory moves without a change of its own pixel.
-        || description.memory == MemoryRule::AuthorsPixelStep
-        || description.channels.iter().any(|c| c.surrounds.is_some())
+    let mut channels = description.channels.iter();
+    description.fires_alone() || channels.any(|channel| channel.surrounds.is_some())
 }
 
 /// The rows and columns that have to be looked at, if those are fewer: where something changes,

@@ -5,7 +5,7 @@ use crate::{
     kernel::Kernel,
     number::Format,
     photoreceptor::Curve,
-    reference::{Channel, Description, MemoryRule, RefractoryRule, SheetRule},
+    reference::{Channel, Description, InBetween, Refractory, RefractoryRule, SheetRule},
 };
 
 /// The most steps of a memory that are counted.
@@ -31,31 +31,34 @@ fn white(description: &Description) -> Option<f64> {
 /// are measured.
 #[must_use]
 pub fn needs_no_inserted_frames(description: &Description) -> Option<&'static str> {
-    let noise = &description.noise;
     let is_straight = |channel: &Channel| {
         let sheets = channel.surrounds.iter();
-        let settled = |rule, tau, noise| rule != SheetRule::V2e && tau <= 0.0 && noise <= 0.0;
+        let settled = |rule, tau| rule != SheetRule::V2e && tau <= 0.0;
         let mut sheets = sheets.flat_map(|s| s.sheets.iter().map(|sheet| (s.rule, sheet)));
-        !channel.log_temporal && sheets.all(|(rule, s)| settled(rule, s.tau, s.noise))
+        !channel.log_temporal && sheets.all(|(rule, s)| settled(rule, s.tau))
     };
-    let follows = description.memory == MemoryRule::FilteredStep
-        && description.refractory.rule == RefractoryRule::DeadTime
-        && description.refractory.us <= 0.0;
-    // Drawn anew for each frame, or bent by it.
-    let drawn = noise.fires() || noise.jitter_us > 0.0 || noise.cutoff_hz > 0.0;
-    (white(description).is_some() && follows && !drawn && description.channels.iter().all(is_straight))
+    let is_other = description.is_influenced(|it| it.between != InBetween::Same);
+    (white(description).is_some()
+        && crosses_levels(description)
+        && !is_other
+        && description.channels.iter().all(is_straight))
         .then_some("between two frames the drive is a straight line, and the memory steps: frames in between say nothing new, but for rounding")
+}
+
+/// Whether cells fire where the drive crosses levels on its line between two frames.
+fn crosses_levels(description: &Description) -> bool {
+    let Refractory { us: _, rule } = description.refractory;
+    description.memory.crosses_levels() && rule == RefractoryRule::DeadTime
 }
 
 /// Whether no two crossings of a cell are as close as the dead time: a memory that steps crosses
 /// levels that are a threshold apart, and the drive goes no faster than the light.
 #[must_use]
 pub fn has_no_close_crossings(description: &Description, look: &Look) -> bool {
-    let noise = &description.noise;
-    let other = noise.fires() || noise.cutoff_hz > 0.0 || noise.leak_hz > 0.0;
-    let follows = description.memory == MemoryRule::FilteredStep
-        && description.refractory.rule == RefractoryRule::DeadTime;
-    let Some(white) = white(description).filter(|_| follows && !other) else {
+    let is_other =
+        description.fires_alone() || description.is_influenced(|it| it.between == InBetween::Bent);
+    let follows = crosses_levels(description) && !is_other;
+    let Some(white) = white(description).filter(|_| follows) else {
         return false;
     };
     let dead = description.refractory.us * 1e-6;
@@ -112,9 +115,8 @@ pub fn may_saturate(format: Format, description: &Description, look: &Look) -> b
             whole
         }
     };
-    let leaks = description.noise.leak_hz > 0.0;
     let mut channels = description.channels.iter();
-    leaks
+    description.is_influenced(|it| it.moves_memory)
         || channels.any(|channel| {
             channel.log_temporal || channel.surrounds.is_some() || whole(channel) >= room
         })

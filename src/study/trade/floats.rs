@@ -2,7 +2,8 @@
 
 use crate::{
     number::Format,
-    study::pilot::{Choice, Effect, Floats, Look, rule},
+    reference::Effect,
+    study::pilot::{Choice, Floats, Look, rule},
 };
 
 impl Floats<'_> {

@@ -9,6 +9,7 @@
 //! First each thing is left out by itself; then what changes least is left out together, one
 //! more at a time, in the full model's numbers and in the best of the others.
 
+pub mod answer;
 mod floats;
 mod programs;
 mod together;

@@ -18,7 +18,7 @@ pub struct Told<'a, M> {
     /// Its frames a second.
     pub fps: f64,
     /// What the full model is.
-    pub full: &'a str,
+    pub full: String,
     /// Whether everything was run on the whole scene, too.
     pub verify: bool,
     /// How many runs share the planning.

@@ -82,12 +82,40 @@ impl Cause {
     /// Whether it is another on every chip.
     #[must_use]
     pub const fn is_chance(self) -> bool {
-        matches!(self, Self::Mismatch | Self::Noise)
+        match self {
+            Self::Mismatch | Self::Noise => true,
+            Self::Frames
+            | Self::Memory
+            | Self::Kernel
+            | Self::Format
+            | Self::Converter
+            | Self::Saturation
+            | Self::Transfer
+            | Self::Decay
+            | Self::Readout => false,
+        }
     }
 
     /// Whether it belongs to the float model; the others are the chip's.
     #[must_use]
     pub const fn is_float(self) -> bool {
         matches!(self, Self::Frames | Self::Memory | Self::Kernel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::isa::{Figure, Role};
+
+    /// Chips differ in a store's mismatch and noise, and in nothing else of it.
+    #[test]
+    fn each_figure_of_a_store_is_a_step() {
+        for figure in Figure::of_a_store() {
+            let cause = ErrorTerm::of(figure.role()).map(Cause::of).unwrap();
+            assert!(Cause::SILICON.contains(&cause), "{figure}");
+            let is_chance = matches!(figure.role(), Role::Mismatch | Role::Noise);
+            assert_eq!(cause.is_chance(), is_chance, "{figure}");
+        }
     }
 }

@@ -18,6 +18,7 @@
 //! Not every set of steps is a sensor: `docs/waterfall.md` says which are run, and what adds up
 //! and what does not.
 
+mod answer;
 mod cause;
 mod chart;
 mod crossings;
@@ -33,6 +34,7 @@ mod shapley;
 mod steps;
 mod stretch;
 
+pub use answer::{Answer, Asked, Watch, answer};
 pub use cause::Cause;
 pub use crossings::check_crossings;
 pub use noise::{Noise, NoiseAtRate};

@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use super::Fall;
-use crate::{compile::FilterNoise, elementary, isa::Analog, study::design::Compiled};
+use crate::{compile::FilterNoise, elementary};
 
 /// Noise events for each of the float sensor's that a design should stay below.
 pub(super) const LIMIT: f64 = 0.1;
@@ -48,14 +48,9 @@ impl Noise {
         reference_per_second: f64,
         pixels: usize,
     ) -> Self {
-        let Compiled { program, expanded } = fall.program();
+        let device = &fall.program().expanded.device;
         let filter = fall.kinds.filter(fall.kind);
-        let noise = filter.noise(
-            &expanded.device,
-            Analog(0),
-            FilterNoise::MIDDLE,
-            &program.drives,
-        );
+        let noise = filter.noise(device, FilterNoise::MIDDLE);
         let own = fall.kind.min(noise.len().saturating_sub(1));
         let temporal = noise.get(own).map_or(0.0, |noise| noise.temporal);
         let threshold_lsb = fall.threshold_lsb();

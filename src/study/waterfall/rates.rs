@@ -20,6 +20,7 @@ use crate::{
     rig,
     scene::{Reopen, Scene, SceneError, held::Held, resample::Resampled},
     study::{
+        defaults::WATERFALL_CHIPS,
         equivalent::{self, Ladder},
         expanded::WORK,
         quantisation::Headline,
@@ -82,7 +83,7 @@ impl Default for Choice {
     fn default() -> Self {
         Self {
             rates: Vec::new(),
-            chips: CHIPS,
+            chips: WATERFALL_CHIPS,
             tiles: None,
             within: None,
         }
@@ -183,8 +184,6 @@ const SECONDS: f64 = 2.0;
 /// Tiles, where nobody says how many: at least, and at most. Which tiles are seen decides more than
 /// which chips: with three, what the bundled clip keeps was 39 points off.
 const TILES: [usize; 2] = [12, 48];
-/// Chips, where nobody says how many.
-const CHIPS: u64 = 4;
 /// Chips on which noise alone is measured.
 const NOISE_CHIPS: usize = 4;
 /// A whole frame may have so many times the events that its tiles make likely.

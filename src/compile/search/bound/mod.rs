@@ -9,6 +9,9 @@
 //! stores in a neighbour's NEWS, one reads a neighbour's), and n words sum at most 4^n inputs.
 //! Ternary 3x3 kernels: an exhaustive search of all programs of up to
 //! [`PROVED`] words, whose result is a table, `ternary.csv`; whatever is not in it takes more.
+//!
+//! Halves of a kernel, of an input that is halved: a few words more double them back, so they take at
+//! most those few words less than the kernel and its negative do ([`LowerBound::halved`]).
 
 mod exhaustive;
 mod field;
@@ -37,6 +40,9 @@ const TABLE: &str = include_str!("ternary.csv");
 pub enum Proof {
     /// Every program of fewer words was tried.
     Exhaustive,
+    /// Every program of the kernel itself with fewer words was tried, and one of its halves, doubled
+    /// back, would be one.
+    Doubled,
     /// How far the weights lie from the pixel, and how large they are.
     Reach,
 }
@@ -54,50 +60,87 @@ impl LowerBound {
     /// Of a filter of these kernels: no fewer than any of them takes alone.
     #[must_use]
     pub fn new(kernels: &[Kernel]) -> Self {
+        Self::halved(kernels, 0)
+    }
+
+    /// Of a filter of `2^-halvings` times these kernels: no fewer than any of them takes alone.
+    #[must_use]
+    pub fn halved(kernels: &[Kernel], halvings: u32) -> Self {
         let none = Self {
             words: 0,
             proof: Proof::Reach,
         };
-        let each = kernels.iter().map(Self::of_one);
+        let each = kernels.iter().map(|kernel| Self::of_one(kernel, halvings));
         each.fold(none, |a, b| if b.words > a.words { b } else { a })
     }
 
-    /// Of a filter of these kernels on a chip: none where a bus of it takes more sources than those
-    /// of the words above.
+    /// Of such a filter on a chip: none where a bus of it takes more sources than those of the words
+    /// above.
     #[must_use]
-    pub fn on(kernels: &[Kernel], device: &Device) -> Self {
+    pub fn on(kernels: &[Kernel], halvings: u32, device: &Device) -> Self {
         let kernels = if has_wider_bus(device) { &[] } else { kernels };
-        Self::new(kernels)
+        Self::halved(kernels, halvings)
     }
 
-    fn of_one(kernel: &Kernel) -> Self {
+    fn of_one(kernel: &Kernel, halvings: u32) -> Self {
         let reach = Self {
-            words: reach(kernel),
+            words: reach(kernel, halvings),
             proof: Proof::Reach,
         };
         let Some(code) = code(kernel) else {
             return reach;
         };
-        let words = listed(canonical(code)).unwrap_or(PROVED + 1);
-        let proof = Proof::Exhaustive;
-        // No word for nothing; a bus without sources makes a kernel of zeros.
-        let words = if code == ZERO { 1 } else { words };
-        if reach.words > words {
+        let tried = Self {
+            words: doubled(code, halvings),
+            proof: if halvings == 0 {
+                Proof::Exhaustive
+            } else {
+                Proof::Doubled
+            },
+        };
+        if reach.words > tried.words {
             reach
         } else {
-            Self { words, proof }
+            tried
         }
     }
 }
 
+/// The fewest words of a kernel: those of the table, or more than it has.
+fn fewest(code: u16) -> u8 {
+    // No word for nothing; a bus without sources makes a kernel of zeros.
+    if code == ZERO {
+        return 1;
+    }
+    listed(canonical(code)).unwrap_or(PROVED + 1)
+}
+
+/// The fewest words of `2^-halvings` times a kernel, by those of the kernel and of its negative.
+///
+/// The last word of a program for the half, done once more, stores it in a second register, and one
+/// that sums the two stores the whole with the other sign. So the negative of the kernel takes at
+/// most 2 words more than the half, and the kernel, as each store negates, 3. Twice that is 4 words
+/// for either sign: two sums, or four copies and one sum; then 2 words for each further halving.
+fn doubled(code: u16, halvings: u32) -> u8 {
+    let less = |code, words: u32| u32::from(fewest(code)).saturating_sub(words);
+    let negative = TERNARY as u16 - 1 - code;
+    let twice = halvings.saturating_mul(2);
+    let words = match halvings {
+        0 => less(code, 0),
+        1 => less(code, 3).max(less(negative, 2)),
+        _ => less(code, twice).max(less(negative, twice)),
+    };
+    words as u8
+}
+
 /// The words that places and weights ask for.
-fn reach(kernel: &Kernel) -> u8 {
+fn reach(kernel: &Kernel, halvings: u32) -> u8 {
     let (rows, columns) = kernel.reach();
     let weights = kernel.weights();
     let taps = weights.indexed_iter().filter(|(_, weight)| **weight != 0.0);
     let far = taps.map(|((y, x), _)| y.abs_diff(rows) + x.abs_diff(columns));
     let far = 2 * far.max().unwrap_or(0).div_ceil(2);
-    let size = kernel.magnitude();
+    let size = kernel.magnitude() * 0.5f64.powi(halvings.min(1000) as i32);
     let many = (0..64).find(|words| size <= 4f64.powi(*words));
     // Kernels have at most some hundred weights.
     far.max(many.unwrap_or(64) as usize).min(255) as u8
@@ -328,6 +371,64 @@ mod tests {
                 None => assert!(!made.contains(&code), "{code} is made"),
             }
         }
+    }
+
+    /// Against all programs of up to three words: those that make a half, or a quarter, of a kernel
+    /// have no fewer words than is said, and the bound is reached.
+    #[test]
+    fn halves_take_no_fewer_words_than_is_said() {
+        use field::{HALF, multiply, of_ternary};
+        use state::State;
+        use std::collections::HashMap;
+
+        for halvings in 1..=2 {
+            let scaled = |code| (0..halvings).fold(of_ternary(code), |n, _| multiply(n, HALF));
+            let codes: HashMap<u64, u16> = (0..TERNARY as u16)
+                .filter(|code| *code != ZERO)
+                .map(|code| (scaled(code), code))
+                .collect();
+            let (mut made, mut tight) = (0, 0);
+            let mut look = |state: &State| {
+                let last = state
+                    .registers
+                    .last()
+                    .filter(|held| held.word == state.words);
+                let Some(code) = last.and_then(|held| codes.get(&held.form[0])) else {
+                    return;
+                };
+                let bound = LowerBound::halved(&[kernel(*code)], halvings).words;
+                assert!(
+                    bound <= state.words,
+                    "{code}: {bound}, and {}",
+                    state.program
+                );
+                made += 1;
+                tight += u32::from(bound == state.words);
+            };
+            State::start().expand(&mut |first| {
+                look(&first);
+                first.expand(&mut |second| {
+                    look(&second);
+                    second.expand(&mut |third| look(&third));
+                });
+            });
+            assert!(made > 1000 && tight > 0, "{halvings}: {made}, {tight}");
+        }
+    }
+
+    #[test]
+    fn halves_are_bounded() {
+        // In the table neither it nor its negative is.
+        let hard = classes()
+            .find(|code| fewest(*code) > PROVED && fewest(TERNARY as u16 - 1 - code) > PROVED);
+        let hard = [kernel(hard.unwrap())];
+        let of = |halvings| LowerBound::halved(&hard, halvings);
+        assert_eq!((of(0).words, of(0).proof), (6, Proof::Exhaustive));
+        assert_eq!((of(1).words, of(1).proof), (4, Proof::Doubled));
+        assert_eq!((of(2).words, of(2).proof), (2, Proof::Doubled));
+        assert_eq!((of(7).words, of(7).proof), (2, Proof::Reach));
+        let heavy = [Kernel::from_rows(&[vec![65.0]]).unwrap()];
+        assert_eq!(LowerBound::halved(&heavy, 1).words, 3);
     }
 
     #[test]

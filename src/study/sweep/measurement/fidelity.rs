@@ -15,10 +15,10 @@ use crate::{
     array::{Arithmetic, Schedule},
     compare::metric,
     number::Format,
-    reference::Description,
+    reference::{Description, Effect},
     study::{
         design,
-        pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure, look},
+        pilot::{ChangeEstimate, Chips, Choice, Family, Floats, Machine, Measure, look},
         sweep::{
             points::plan::{Entry, Plan},
             results::pilot_file::{Found, PilotFile},
@@ -181,11 +181,10 @@ fn array(
 ) -> Result<Option<Plain>, Refusal> {
     let settings = &plan.study.settings;
     let point = &entry.point;
-    let all = point.word("readout") == Some("all");
     let name = point.word("domain").unwrap_or("exact").to_owned();
     let seed = point.whole("seed").unwrap_or(0);
-    let arithmetic: Arithmetic = name.parse()?;
     let mut made = build::array_of(settings, entry, shared, row)?;
+    let (arithmetic, all) = (made.arithmetic, made.all);
     // They are alike to the bit, and this one is the quicker.
     made.settings.schedule = Some(Schedule::Tiled { rows: 0 });
     // All that changes an event, the schedule left out.
@@ -195,7 +194,7 @@ fn array(
     );
     let program = hex(&Sha256::digest(program.as_bytes())[..16]);
     let mut limit = 0.0;
-    let mut stands = arithmetic.with_seed(seed);
+    let mut stands = arithmetic;
     let exact = Arithmetic::Number(Format::F64);
     if all && matches!(arithmetic, Arithmetic::Number(format) if format != Format::F64) {
         let family = Chips {
@@ -232,7 +231,7 @@ fn array(
         key: format!("{program} {stands} {seed}"),
         left_out: left.join(", "),
         limit,
-        seen: Seen::chip(&made, (stands, all), Arc::clone(&entry.scene))?,
+        seen: Seen::chip(&made, stands, Arc::clone(&entry.scene))?,
     }))
 }
 

@@ -13,7 +13,6 @@ use super::{
     watch::{Seen, watch},
 };
 use crate::{
-    array::Arithmetic,
     compare::{metric::Measured, voxel::Bins, window::Point},
     event::{Polarity, address},
     number::Format,
@@ -122,11 +121,7 @@ fn run(
         }
         Side::Array => {
             let made = array_of(settings, entry, shared, row)?;
-            let (point, scene) = (&entry.point, Arc::clone(&entry.scene));
-            let arithmetic: Arithmetic = point.word("domain").unwrap_or_default().parse()?;
-            let arithmetic = arithmetic.with_seed(point.whole("seed").unwrap_or(0));
-            let all = point.word("readout") == Some("all");
-            Seen::chip(&made, (arithmetic, all), scene)?
+            Seen::chip(&made, made.arithmetic, Arc::clone(&entry.scene))?
         }
     };
     measured(settings, entry, shared, limits, (&mut seen, row))

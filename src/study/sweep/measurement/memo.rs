@@ -13,7 +13,7 @@ use crate::study::sweep::{
         pilot_file::Found,
     },
     scene::cached_scene::Drive,
-    sensor::level_program::LevelProgram,
+    sensor::level_program::{LevelProgram, ProgramSpec},
     tables::table::Row,
 };
 
@@ -22,7 +22,7 @@ use crate::study::sweep::{
 pub(in crate::study::sweep) struct Shared {
     truths: Mutex<VecDeque<(String, Known)>>,
     drives: Mutex<VecDeque<(String, DriveSlot)>>,
-    programs: Mutex<Vec<(String, Made)>>,
+    programs: Mutex<Vec<(ProgramSpec, Made)>>,
     pilots: Mutex<HashMap<String, Pilot>>,
     figures: Mutex<HashMap<String, Figures>>,
     /// Where pilots are kept.
@@ -154,18 +154,18 @@ impl Shared {
     }
 
     /// A program, the scale of its levels, and what they lose.
-    pub fn program(&self, key: &str, make: impl FnOnce() -> Result<LevelProgram, Refusal>) -> Made {
+    pub fn program(&self, spec: &ProgramSpec) -> Made {
         let slot = {
             let mut all = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some((_, slot)) = all.iter().find(|(known, _)| known == key) {
+            if let Some((_, slot)) = all.iter().find(|(known, _)| known == spec) {
                 Arc::clone(slot)
             } else {
                 let slot = Made::default();
-                all.push((key.to_owned(), Arc::clone(&slot)));
+                all.push((spec.clone(), Arc::clone(&slot)));
                 slot
             }
         };
-        slot.get_or_init(make);
+        slot.get_or_init(|| LevelProgram::new(spec));
         slot
     }
 }

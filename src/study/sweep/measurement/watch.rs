@@ -78,13 +78,13 @@ impl Seen {
     /// A chip with its program.
     pub fn chip(
         made: &Programmed,
-        (arithmetic, all): (Arithmetic, bool),
+        arithmetic: Arithmetic,
         scene: Arc<CachedScene>,
     ) -> Result<Self, Refusal> {
         Ok(Self {
             overflow: saturation::of_light(arithmetic, &made.settings),
             unheld: made.unheld(arithmetic),
-            ..Self::plain(made.sensor(arithmetic, scene.size, all)?, scene, 0.0)
+            ..Self::plain(made.sensor(arithmetic, scene.size)?, scene, 0.0)
         })
     }
 }

@@ -192,6 +192,29 @@ fn view(point: &Point) -> View {
     }
 }
 
+/// The scene of a point, as it is named; else the key whose word is unknown.
+pub(in crate::study::sweep) fn wanted(
+    point: &Point,
+) -> Result<Wanted, (&'static str, UnknownWord)> {
+    Ok(Wanted {
+        spec: point.word("scene").unwrap_or_default().to_owned(),
+        fps: point.number("fps"),
+        frames: point.whole("frames"),
+        coding: coding(point)?,
+        view: view(point),
+        upsample: point.number("upsample"),
+    })
+}
+
+/// What the kernels of a point are called.
+pub(in crate::study::sweep) fn kernel_name(point: &Point) -> &str {
+    match point.side() {
+        // The pixel alone; the mesh is its surround.
+        Side::Mesh => "dvs",
+        Side::Reference | Side::Array => point.word("kernel").unwrap_or_default(),
+    }
+}
+
 impl<'a> Opened<'a> {
     /// Nothing yet; files are looked for in `folder`.
     pub(in crate::study::sweep) const fn new(study: &'a Study, folder: &'a Path) -> Self {
@@ -273,17 +296,9 @@ impl<'a> Opened<'a> {
     }
 
     fn scene(&mut self, point: &Point) -> Result<Arc<CachedScene>, Faults> {
-        let coding = coding(point).map_err(|(key, unknown)| {
+        let wanted = wanted(point).map_err(|(key, unknown)| {
             self.wrong(point, key, &unknown.to_string(), Some(unknown.help))
         })?;
-        let wanted = Wanted {
-            spec: point.word("scene").unwrap_or_default().to_owned(),
-            fps: point.number("fps"),
-            frames: point.whole("frames"),
-            coding,
-            view: view(point),
-            upsample: point.number("upsample"),
-        };
         if let Some((_, cached_scene)) = self.scenes.iter().find(|(known, _)| *known == wanted) {
             return Ok(Arc::clone(cached_scene));
         }
@@ -310,11 +325,7 @@ impl<'a> Opened<'a> {
 
     /// One for each kind of a point's cells.
     fn kernels(&mut self, point: &Point) -> Result<Arc<[Kernel]>, Faults> {
-        let name = match point.side() {
-            // The pixel alone; the mesh is its surround.
-            Side::Mesh => "dvs",
-            Side::Reference | Side::Array => point.word("kernel").unwrap_or_default(),
-        };
+        let name = kernel_name(point);
         if let Some(kernels) = self.kernels.get(name) {
             return Ok(Arc::clone(kernels));
         }

@@ -1,18 +1,13 @@
 //! Who computed a point: the build, the version of its numerics, the processor.
 
-use std::{
-    fs::File,
-    io::{BufRead, BufReader, Read},
-};
-
 use serde::{Deserialize, Serialize};
 
 /// The version of the results: of what is measured and how. It is part of every identity.
 pub const SCHEMA: u32 = 6;
 
 /// The version of the numerics: two builds of one version compute the same bits from the same
-/// point, on any processor. It is raised whenever a result may change.
-pub const NUMERICS: u32 = 9;
+/// point, on any processor that `docs/limits.md` names. It is raised whenever a result may change.
+pub const NUMERICS: u32 = 10;
 
 /// Who computed a point.
 // In the order of the alphabet: the order in which a checksum takes keys.
@@ -59,7 +54,7 @@ impl Provenance {
     }
 }
 
-/// The processor's name as Linux knows it, and its vector instructions.
+/// The processor's name as the system knows it, and its vector instructions.
 fn cpu() -> String {
     #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut))]
     let mut words = vec![model().unwrap_or_else(|| std::env::consts::ARCH.to_owned())];
@@ -77,14 +72,52 @@ fn cpu() -> String {
     words.join(" ")
 }
 
+/// The first processor's name in `/proc/cpuinfo`.
+#[cfg(target_os = "linux")]
 fn model() -> Option<String> {
+    use std::{fs::File, io::Read as _};
     /// The first processor stands within it.
     const HEAD: u64 = 1 << 16;
-    let file = File::open("/proc/cpuinfo").ok()?.take(HEAD);
-    let line = BufReader::new(file)
-        .lines()
-        .map_while(Result::ok)
-        .find(|line| line.starts_with("model name"))?;
-    let (_, name) = line.split_once(':')?;
-    Some(name.trim().to_owned())
+    let mut text = String::new();
+    let mut file = File::open("/proc/cpuinfo").ok()?.take(HEAD);
+    file.read_to_string(&mut text).ok()?;
+    model_of(&text)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn model() -> Option<String> {
+    let mut system = sysinfo::System::new().ok()?;
+    system.refresh_cpu_list(sysinfo::CpuRefreshKind::nothing());
+    let name = system.cpus().first()?.brand().trim().to_owned();
+    (!name.is_empty()).then_some(name)
+}
+
+/// The name in the text of `/proc/cpuinfo`: ARM's have no `model name`, but the numbers of the
+/// implementer and the part.
+#[cfg(any(target_os = "linux", test))]
+fn model_of(text: &str) -> Option<String> {
+    let value = |key: &str| {
+        let line = text.lines().find(|line| line.starts_with(key))?;
+        let (_, value) = line.split_once(':')?;
+        Some(value.trim().to_owned())
+    };
+    value("model name").or_else(|| {
+        let (maker, part) = (value("CPU implementer")?, value("CPU part")?);
+        Some(format!("{} {maker} {part}", std::env::consts::ARCH))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_processor_has_a_name() {
+        let x86 = "processor\t: 0\nmodel\t\t: 17\nmodel name\t: AMD EPYC\nmodel name\t: other\n";
+        assert_eq!(model_of(x86).as_deref(), Some("AMD EPYC"));
+        let arm = "processor\t: 0\nCPU implementer\t: 0x41\nCPU part\t: 0xd0b\n";
+        let wanted = format!("{} 0x41 0xd0b", std::env::consts::ARCH);
+        assert_eq!(model_of(arm), Some(wanted));
+        assert_eq!(model_of("processor\t: 0\n"), None);
+    }
 }

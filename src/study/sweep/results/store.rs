@@ -28,7 +28,7 @@ use super::{
 use crate::study::sweep::tables::parquet;
 use crate::{
     rig::guard::Warning,
-    save::{is_temporary, make_folder_durably, save_durably, sweep_up},
+    save::{make_folder_durably, save_durably, sweep_up},
     study::sweep::tables::{
         left_out, report,
         table::{self, Row},
@@ -457,13 +457,15 @@ fn foreign(folder: &Path) -> Kept<Option<PathBuf>> {
     })
 }
 
-/// The first file of a folder, by name, that is neither known nor half-written.
+/// The first file of a folder, by name, that is neither known, hidden nor half-written: systems put
+/// hidden files of their own beside, such as `.DS_Store`.
 fn first_but(folder: &Path, known: impl Fn(&OsStr) -> bool) -> Kept<Option<PathBuf>> {
     let mut first: Option<OsString> = None;
     for name in names(folder)? {
         let name = name?;
         let is_first = first.as_ref().is_none_or(|first| name < *first);
-        if is_first && !known(&name) && !is_temporary(&name) {
+        let hidden = name.as_encoded_bytes().starts_with(b".");
+        if is_first && !known(&name) && !hidden {
             first = Some(name);
         }
     }

@@ -45,15 +45,10 @@ pub(in crate::study::sweep) fn driven(
     if bytes > may {
         return None;
     }
-    let surrounds = description.channels.first()?.surrounds.as_ref()?;
-    let drawn = surrounds.sheets.iter().any(|sheet| sheet.noise > 0.0);
-    let seed = if drawn { seed } else { 0 };
-    let key = format!(
-        "{} {:?} {surrounds:?} {seed}",
-        scene.digest, description.response
-    );
+    let sheets = description.sheets(seed)?;
+    let key = format!("{} {sheets}", scene.digest);
     let made = shared.drive(&key, || {
-        let drive = SheetDrive::new(description, scene.size, seed)?;
+        let drive = SheetDrive::new(sheets, scene.size);
         computed(scene, drive, key.clone(), limits).ok()
     });
     // What cannot be computed is told by the sensor itself.

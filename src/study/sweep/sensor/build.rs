@@ -1,28 +1,36 @@
 //! From a point to a sensor that can watch: a float model in its number format, or a chip with
 //! its program.
 
+use std::sync::Arc;
+
 use serde_json::json;
 
-use super::{description, level_program::LevelProgram};
+use super::{
+    description,
+    level_program::{LevelProgram, ProgramSpec},
+};
 use crate::{
-    array::{self, Arithmetic, Unheld},
+    array::{self, Arithmetic, Schedule, Unheld},
+    isa::Device,
+    kernel::Kernel,
     number::Format,
     plane::Size,
-    reference::{Description, MemoryRule},
+    reference::{Description, StateBytes},
     rig::Larger,
     sensor::Sensor,
     study::{
         design::Compiled,
         sweep::{
             measurement::{memo::Shared, refusal::Refusal},
-            points::plan::Entry,
+            points::{plan::Entry, point::Point},
             study_file::study::Settings,
             tables::table::Row,
         },
     },
 };
 
-/// A float point.
+/// All that makes a float point, besides its scene.
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::study::sweep) struct Float {
     pub description: Description,
     pub format: Format,
@@ -31,59 +39,64 @@ pub(in crate::study::sweep) struct Float {
 
 /// What a float point says; the memory of its sensor goes into the row.
 pub(in crate::study::sweep) fn float(entry: &Entry, row: &mut Row) -> Result<Float, Refusal> {
-    let point = &entry.point;
-    let format: Format = point.word("format").unwrap_or("f64").parse()?;
-    let description = description::description(point, &entry.kernels)?;
-    let bytes = float_state(&description, format) * entry.scene.size.pixels() as u64;
+    let float = Float::of(&entry.point, &entry.kernels)?;
+    let state = StateBytes::of(&float.description, bytes(float.format) as usize).sum();
+    let bytes = state as u64 * entry.scene.size.pixels() as u64;
     row.insert("state_memory_bytes".to_owned(), json!(bytes));
-    Ok(Float {
-        description,
-        format,
-        seed: point.whole("seed").unwrap_or(0),
-    })
+    Ok(float)
+}
+
+impl Float {
+    pub(super) fn of(point: &Point, kernels: &[Kernel]) -> Result<Self, Refusal> {
+        Ok(Self {
+            description: description::description(point, kernels)?,
+            format: point.word("format").unwrap_or("f64").parse()?,
+            seed: point.whole("seed").unwrap_or(0),
+        })
+    }
 }
 
 /// Bytes of one value.
 const fn bytes(format: Format) -> u64 {
-    match format {
-        Format::F64 => 8,
-        Format::F32 => 4,
-        Format::F16 | Format::Bf16 => 2,
-        Format::Fixed(fixed) => fixed.bits() as u64 / 8,
-    }
+    format.bytes()
 }
 
-/// Bytes of a pixel that must last from one frame to the next: the memory of each of its cells,
-/// or one for all, for a memory that steps a count and the drive of the frame before, the time of a
-/// cell's last event under a dead time, its share of a low-pass and of a sheet.
-fn float_state(description: &Description, format: Format) -> u64 {
-    let held = bytes(format);
-    let cells = description.channels.len() as u64;
-    let memories = if description.shared { 1 } else { cells };
-    let step = description.memory == MemoryRule::FilteredStep;
-    let sheets = { description.channels.iter() }
-        .filter_map(|channel| channel.surrounds.as_ref())
-        .flat_map(|surrounds| &surrounds.sheets);
-    let moving = sheets.filter(|sheet| sheet.tau > 0.0).count();
-    memories * held
-        + if step { cells * (4 + held) } else { 0 }
-        + if description.refractory.us > 0.0 {
-            cells * 8
-        } else {
-            0
-        }
-        + if description.noise.cutoff_hz > 0.0 {
-            8
-        } else {
-            0
-        }
-        + 8 * moving as u64
+/// All that makes an array point, besides its scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ArraySpec {
+    program: ProgramSpec,
+    /// That of its cells, of the point's own chip.
+    arithmetic: Arithmetic,
+    schedule: Schedule,
+    /// Whether every event is read.
+    all: bool,
+}
+
+impl ArraySpec {
+    pub(super) fn of(
+        point: &Point,
+        kernels: &[Kernel],
+        (chip, effort): (&Arc<Device>, u64),
+    ) -> Result<Self, Refusal> {
+        let word = |key: &str| point.word(key).unwrap_or_default();
+        let arithmetic: Arithmetic = word("domain").parse()?;
+        Ok(Self {
+            program: ProgramSpec::of(point, kernels, chip, effort)?,
+            arithmetic: arithmetic.with_seed(point.whole("seed").unwrap_or(0)),
+            schedule: word("schedule").parse()?,
+            all: word("readout") == "all",
+        })
+    }
 }
 
 /// The program of an array point, and how its array is worked on.
 pub(in crate::study::sweep) struct Programmed {
     pub compiled: Compiled,
     pub settings: array::Settings,
+    /// That of its cells, of the point's own chip.
+    pub arithmetic: Arithmetic,
+    /// Whether every event is read.
+    pub all: bool,
 }
 
 impl Programmed {
@@ -92,10 +105,9 @@ impl Programmed {
         &self,
         arithmetic: Arithmetic,
         size: Size,
-        all: bool,
     ) -> Result<Box<dyn Sensor + Send>, Refusal> {
         let chip = self.compiled.chip(arithmetic, size, self.settings)?;
-        Ok(if all {
+        Ok(if self.all {
             Box::new(self.compiled.all_events(chip))
         } else {
             chip
@@ -118,32 +130,19 @@ pub(in crate::study::sweep) fn array_of(
     row: &mut Row,
 ) -> Result<Programmed, Refusal> {
     let point = &entry.point;
-    let word = |key: &str| point.word(key).unwrap_or_default().to_owned();
-    let seed = point.whole("seed").unwrap_or(0);
     let device = entry
         .chip
         .as_ref()
         .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
-    Larger::check(&word("scene"), entry.scene.size, device)?;
-    let kinds = (0..).zip(&*entry.kernels).map(|(kind, kernel)| {
-        let [on, off, _] = point.threshold(kind);
-        (description::rows(kernel), on, off)
-    });
-    let kinds: Vec<_> = kinds.collect();
-    let rounding = if word("quantise").ends_with(":stochastic") {
-        seed
-    } else {
-        0
-    };
-    // What a program is best at is to decide at its threshold.
-    let key = format!(
-        "{kinds:?} {} {} {} {} {rounding}",
-        word("chip"),
-        word("quantise"),
-        word("sum"),
-        word("memory"),
-    );
-    let made = shared.program(&key, || LevelProgram::new(settings, entry, rounding));
+    let scene = point.word("scene").unwrap_or_default();
+    Larger::check(scene, entry.scene.size, device)?;
+    let ArraySpec {
+        program,
+        arithmetic,
+        schedule,
+        all,
+    } = ArraySpec::of(point, &entry.kernels, (device, settings.effort))?;
+    let made = shared.program(&program);
     let LevelProgram {
         compiled,
         quantisation_error,
@@ -153,7 +152,6 @@ pub(in crate::study::sweep) fn array_of(
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the program was not made".to_owned())),
     };
-    let arithmetic: Arithmetic = word("domain").parse()?;
     let size = entry.scene.size;
     let mut put = |name: &str, value: serde_json::Value| row.insert(name.to_owned(), value);
     put("words", json!(compiled.cost.words.0));
@@ -178,9 +176,14 @@ pub(in crate::study::sweep) fn array_of(
     );
     // Points run side by side, so that one thread each is enough.
     let settings = array::Settings {
-        schedule: Some(word("schedule").parse()?),
+        schedule: Some(schedule),
         threads: Some(1),
         ..compiled.settings()
     };
-    Ok(Programmed { compiled, settings })
+    Ok(Programmed {
+        compiled,
+        settings,
+        arithmetic,
+        all,
+    })
 }

@@ -1,14 +1,94 @@
 //! The program of the kernels of a point in few values.
 
+use std::sync::Arc;
+
 use crate::{
     compile::{CellKind, DriveMemory, Effort},
-    kernel::quantise::{Quantiser, Sum},
+    isa::Device,
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, Sum},
+    },
     rig::guard::Warning,
     study::{
         design::Compiled,
-        sweep::{measurement::refusal::Refusal, points::plan::Entry, study_file::study::Settings},
+        sweep::{measurement::refusal::Refusal, points::point::Point},
     },
 };
+
+/// All that a program is made of: points that have the same have the same program.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::study::sweep) struct ProgramSpec {
+    kinds: Vec<Kind>,
+    chip: Chip,
+    /// None takes weights as they are.
+    quantiser: Option<Quantiser>,
+    sum: Sum,
+    memory: DriveMemory,
+    /// The seed of a rounding by chance; 0 for any other.
+    rounding: u64,
+    /// States that the search may look at.
+    effort: u64,
+    /// What its kernels are called.
+    name: String,
+}
+
+/// A kernel, with the thresholds at which a program is to decide best.
+#[derive(Clone, Debug, PartialEq)]
+struct Kind {
+    kernel: Kernel,
+    on: f64,
+    off: f64,
+}
+
+/// A chip that was opened once for all points that name it.
+#[derive(Clone, Debug)]
+struct Chip(Arc<Device>);
+
+impl PartialEq for Chip {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl ProgramSpec {
+    /// That of an array point.
+    ///
+    /// # Errors
+    /// When there is no such quantiser.
+    pub(super) fn of(
+        point: &Point,
+        kernels: &[Kernel],
+        chip: &Arc<Device>,
+        effort: u64,
+    ) -> Result<Self, Refusal> {
+        let quantiser: Option<Quantiser> = match point.word("quantise").unwrap_or("none") {
+            "none" => None,
+            name => Some(name.parse()?),
+        };
+        let kinds = kernels.iter().enumerate().map(|(kind, kernel)| {
+            let [on, off, _] = point.threshold(kind);
+            let kernel = kernel.clone();
+            Kind { kernel, on, off }
+        });
+        let is_random = quantiser.as_ref().is_some_and(Quantiser::is_random);
+        let seed = point.whole("seed").unwrap_or(0);
+        Ok(Self {
+            kinds: kinds.collect(),
+            chip: Chip(Arc::clone(chip)),
+            quantiser,
+            sum: { point.word("sum") }
+                .and_then(|word| word.parse().ok())
+                .unwrap_or(Sum::Kept),
+            memory: { point.word("memory") }
+                .and_then(|word| word.parse().ok())
+                .unwrap_or_default(),
+            rounding: if is_random { seed } else { 0 },
+            effort,
+            name: point.word("kernel").unwrap_or_default().to_owned(),
+        })
+    }
+}
 
 /// The program of the kernels of a point in few values.
 #[derive(Clone, Debug)]
@@ -21,32 +101,28 @@ pub(in crate::study::sweep) struct LevelProgram {
 }
 
 impl LevelProgram {
-    /// Of the kernels of a point, each in the same values, for the thresholds of each.
+    /// Of each kernel in the same values, for the thresholds of each.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn new(settings: &Settings, entry: &Entry, seed: u64) -> Result<Self, Refusal> {
-        let point = &entry.point;
-        let device = entry
-            .chip
-            .as_ref()
-            .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
-        let name = point.word("quantise").unwrap_or("none");
-        let to: Option<Quantiser> = match name {
-            "none" => None,
-            name => Some(name.parse()?),
-        };
-        let sum = match point.word("sum") {
-            Some("zero") => Sum::Zero,
-            Some("free") => Sum::Free,
-            _ => Sum::Kept,
-        };
+    pub fn new(spec: &ProgramSpec) -> Result<Self, Refusal> {
+        let ProgramSpec {
+            kinds: given,
+            chip: Chip(device),
+            quantiser,
+            sum,
+            memory,
+            rounding,
+            effort,
+            name,
+        } = spec;
+        let to = quantiser.map_or_else(|| "none".to_owned(), |to| to.to_string());
         let (mut kinds, mut quantisation_error, mut erased) = (Vec::new(), 0.0, Vec::new());
-        for (kind, kernel) in entry.kernels.iter().enumerate() {
-            let [mut on, mut off, _] = point.threshold(kind);
+        for Kind { kernel, on, off } in given {
+            let (mut on, mut off) = (*on, *off);
             let mut levels = kernel.clone();
-            if let Some(to) = to {
-                let quantised = to.quantise(kernel, sum, seed)?.within_one();
+            if let Some(quantiser) = quantiser {
+                let quantised = quantiser.quantise(kernel, *sum, *rounding)?.within_one();
                 quantisation_error = f64::max(quantisation_error, quantised.relative_error(kernel));
                 erased.extend(quantised.erasures(kernel));
                 (on, off) = (on / quantised.scale, off / quantised.scale);
@@ -61,21 +137,14 @@ impl LevelProgram {
         }
         let mut names = Vec::new();
         for erasure in erased {
-            let about = Warning::erased(name, erasure).about.word();
+            let about = Warning::erased(&to, erasure).about.word();
             if !names.contains(&about) {
                 names.push(about);
             }
         }
-        let memory = point.word("memory").unwrap_or_default();
-        let bits = { memory.strip_prefix("bits:") }.and_then(|bits| bits.parse().ok());
-        let memory = match bits {
-            Some(bits) => DriveMemory::Bits(bits),
-            None if memory == "shared" => DriveMemory::Shared,
-            None => DriveMemory::Analogue,
-        };
-        let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
-        let effort = Effort::states(settings.effort);
-        let compiled = Compiled::new(&title, (&kinds, memory), device, (effort, 0))?;
+        let title = format!("{name} as {to}");
+        let effort = Effort::states(*effort);
+        let compiled = Compiled::new(&title, (&kinds, *memory), device, (effort, 0))?;
         Ok(Self {
             compiled,
             quantisation_error,

@@ -15,7 +15,7 @@ use crate::{
     number::{FORMAT_PATTERN, Format},
     photoreceptor::Response,
     plane::Size,
-    reference::{Border, Noise, PolarityRule, SheetRule, keys},
+    reference::{Border, MemoryRule, Noise, PolarityRule, SheetRule, keys},
     scene::{Crop, Slice},
     study::sweep::{
         points::thresholds,
@@ -548,7 +548,11 @@ fn quantisers() -> String {
 }
 
 /// Memories of a float sensor in a study.
-pub(super) const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
+pub(super) const FLOAT_MEMORIES: [&str; 3] = [
+    MemoryRule::FilteredSnap.word(),
+    MemoryRule::FilteredStep.word(),
+    MemoryRule::RawSnap.word(),
+];
 
 fn remembered(name: &str) -> Result<String, (String, String)> {
     match name.parse::<DriveMemory>() {
@@ -575,6 +579,17 @@ mod tests {
             let key = KEYS.iter().find(|key| key.name == name).unwrap();
             assert!(key.what.ends_with(&known), "{}", key.what);
         }
+    }
+
+    /// A study gives no kernel of the memory.
+    #[test]
+    fn float_memories_are_those_without_a_kernel() {
+        let mut own = FLOAT_MEMORIES.to_vec();
+        let all = { MemoryRule::ALL.iter() }.filter(|rule| !rule.has_kernel());
+        let mut all: Vec<_> = all.map(|rule| rule.word()).collect();
+        own.sort_unstable();
+        all.sort_unstable();
+        assert_eq!(own, all);
     }
 
     #[test]

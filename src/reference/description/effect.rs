@@ -1,11 +1,16 @@
-//! What can be left out of the float model.
+//! Effects of a sensor: what disturbs its cells or moves their events, each of which a run can leave
+//! out.
 
 use std::fmt;
 
-use crate::{config::listed, number::Format, reference::Description};
+use super::{Channel, Description, Refractory};
+use crate::{
+    config::listed,
+    reference::{noise::Noise, surround::Surround},
+};
 
 listed! {
-/// What can be left out, besides the digits of a number format.
+/// What can be left out of a run, besides the digits of a number format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Effect {
@@ -56,30 +61,49 @@ impl Effect {
             .filter(move |effect| !others.contains(effect))
     }
 
+    /// Those that `[noise]` states.
+    #[must_use]
+    pub fn of(noise: &Noise) -> Vec<Self> {
+        let Noise {
+            // By `fires`; how much of it there is in bright light.
+            shot_hz: _,
+            shot_at_white: _,
+            hot_fraction: _,
+            hot_hz: _,
+            jitter_us,
+            cutoff_hz,
+            cutoff_rule: _,
+            leak_hz,
+            leak_spread: _,
+        } = *noise;
+        let all = [
+            (Self::NoiseEvents, noise.fires()),
+            (Self::Jitter, jitter_us > 0.0),
+            (Self::Bandwidth, cutoff_hz > 0.0),
+            (Self::Leak, leak_hz > 0.0),
+        ];
+        let there = all.into_iter().filter(|(_, is_there)| *is_there);
+        there.map(|(effect, _)| effect).collect()
+    }
+
     /// Whether a sensor has it; `inserts`: whether frames are inserted for it.
     #[must_use]
     pub fn is_in(self, description: &Description, inserts: bool) -> bool {
-        let noise = &description.noise;
-        let channels = || description.channels.iter();
-        let mut thresholds = channels().flat_map(|c| &c.thresholds);
-        let mut sheets = channels()
-            .flat_map(|c| &c.surrounds)
-            .flat_map(|it| &it.sheets);
         match self {
             Self::Surroundings => false,
             Self::InsertedFrames => inserts,
-            Self::DeadTime => description.refractory.us > 0.0,
-            Self::NoiseEvents => noise.fires(),
-            Self::Jitter => noise.jitter_us > 0.0,
-            Self::Bandwidth => noise.cutoff_hz > 0.0,
-            Self::Leak => noise.leak_hz > 0.0,
-            Self::Mismatch => thresholds.any(|threshold| threshold.sigma > 0.0),
-            Self::MeshNoise => sheets.any(|sheet| sheet.noise > 0.0),
+            Self::DeadTime
+            | Self::NoiseEvents
+            | Self::Jitter
+            | Self::Bandwidth
+            | Self::Leak
+            | Self::Mismatch
+            | Self::MeshNoise => description.effects().contains(&self),
         }
     }
 
     /// Takes it out of a sensor.
-    fn leave_out(self, plain: &mut Description) {
+    pub fn leave_out(self, plain: &mut Description) {
         match self {
             Self::DeadTime => plain.refractory.us = 0.0,
             Self::NoiseEvents => {
@@ -113,60 +137,46 @@ impl fmt::Display for Effect {
     }
 }
 
-/// What a model leaves out: the digits of its numbers, and effects.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Choice {
-    /// The format of signals, weights and memory.
-    pub format: Format,
-    /// What it does without, in the order of [`Effect::ALL`].
-    pub without: Vec<Effect>,
-}
-
-impl Choice {
-    /// Nothing is left out.
+impl Description {
+    /// The effects that it has, in the order of [`Effect::ALL`].
     #[must_use]
-    pub const fn full() -> Self {
-        Self {
-            format: Format::F64,
-            without: Vec::new(),
+    pub fn effects(&self) -> Vec<Effect> {
+        let Self {
+            // What the sensor is.
+            name: _,
+            response: _,
+            memory: _,
+            shared: _,
+            polarity: _,
+            border: _,
+            refractory,
+            noise,
+            channels,
+        } = self;
+        let Refractory { us, rule: _ } = refractory;
+        let mut all = Effect::of(noise);
+        if *us > 0.0 {
+            all.push(Effect::DeadTime);
         }
-    }
-
-    /// Whether it does without `effect`.
-    #[must_use]
-    pub fn leaves_out(&self, effect: Effect) -> bool {
-        self.without.contains(&effect)
-    }
-
-    /// The same, without one effect more.
-    #[must_use]
-    pub fn and_without(mut self, effect: Effect) -> Self {
-        self.without.push(effect);
-        self.without.sort_unstable();
-        self.without.dedup();
-        self
-    }
-
-    /// The sensor without what the choice does without; the format and the scene are others' work.
-    #[must_use]
-    pub fn plainer(&self, description: &Description) -> Description {
-        let mut plain = description.clone();
-        for effect in &self.without {
-            effect.leave_out(&mut plain);
+        for channel in channels {
+            let Channel {
+                name: _,
+                kernels: _,
+                surrounds,
+                thresholds,
+                memory_kernel: _,
+                log_temporal: _,
+            } = channel;
+            if thresholds.iter().any(|it| it.sigma > 0.0) {
+                all.push(Effect::Mismatch);
+            }
+            let mut sheets = surrounds.iter().flat_map(|it| &it.sheets);
+            if sheets.any(|Surround { noise, .. }| *noise > 0.0) {
+                all.push(Effect::MeshNoise);
+            }
         }
-        plain
-    }
-}
-
-impl fmt::Display for Choice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let without: Vec<_> = self.without.iter().map(Effect::to_string).collect();
-        if *self == Self::full() {
-            f.write_str("the full model: nothing is left out")
-        } else if without.is_empty() {
-            self.format.fmt(f)
-        } else {
-            write!(f, "{}, without {}", self.format, without.join(", "))
-        }
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 }
