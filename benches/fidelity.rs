@@ -10,13 +10,14 @@
 //! the full and the chosen model in turn. The last column says whether the chosen one is slower than
 //! 1.05 times the full one and a tenth of a second. `AMACRINE_BENCH=quick` runs each once.
 
+#[allow(dead_code)] // Full and chosen models are timed in turn.
 #[path = "common/timed.rs"]
 mod timed;
 
 use std::{error::Error, path::Path, process::Command, time::Instant};
 
 use amacrine::{
-    event::{Packet, file::open},
+    event::{Packet, file},
     study::pilot::Change,
     unit::Micros,
 };
@@ -113,7 +114,7 @@ impl Case {
 }
 
 fn packet(path: &Path) -> Done<Packet> {
-    Ok(open(path)?)
+    Ok(file::read(path)?.packet)
 }
 
 /// The limit that allowed the choice.

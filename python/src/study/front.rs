@@ -12,7 +12,7 @@ use amacrine::{
         pilot::{Choice, plan::KEPT},
         trade::{
             Setup,
-            answer::{self, Answer, Held, TradeError, Watch, of_program, of_sensor},
+            answer::{self, Answer, Held, Watch, of_program, of_sensor},
         },
     },
     unit::Micros,
@@ -105,8 +105,9 @@ fn held(
     source: &Source,
     scene: &mut dyn amacrine::scene::Scene,
     clock: &dyn Fn() -> f64,
-) -> Result<Held, TradeError> {
-    Held::new(source.name(), scene, KEPT, source.observation(), clock)
+) -> Result<Held, Report> {
+    let held = Held::new(source.name(), scene, KEPT, source.observation(), clock);
+    Ok(held?)
 }
 
 /// Nobody looks on but who wants to stop.
