@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Computes the whole study once, then searches it anew for each cost, a column of the report, with
-//! three seeds. `studies/thousand.toml` where no study is named; `docs/sweeps.md` has its table.
+//! three seeds. `studies/thousand.toml` where no study is named.
 
 use std::{env, error::Error, fs, path::Path, time::Instant};
 

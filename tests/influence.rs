@@ -1,5 +1,6 @@
-//! What is said of each effect of a sensor (`Effect::influence`) is true of sensors at random: which
-//! cells fire on a still scene, and which see more than the drive of their sheets.
+//! What is said of effects of a sensor (`Effect::influence`) is true of sensors at random: which cells
+//! fire on a still scene, and which see more than the drive of their sheets. Whether inserted frames
+//! say nothing new, and which tiles are unseen, `fidelity` tries.
 
 use amacrine::{
     event::Packet,

@@ -14,6 +14,7 @@ import amacrine
 import numpy as np
 import pytest
 from conftest import Frames, kernels
+from matplotlib import image
 
 FPS = 50.0
 
@@ -70,7 +71,6 @@ def _pictures(shown: str) -> dict[str, bytes]:
 
 def _pixels(png: bytes) -> Any:
     """The pixels of a PNG, (H,W,3)."""
-    image = pytest.importorskip("matplotlib.image")
     return np.rint(image.imread(io.BytesIO(png))[..., :3] * 255).astype(int)
 
 

@@ -35,8 +35,9 @@ def _steps(call: Callable[[], Any], most: int) -> int:
 
     before = sys.getswitchinterval()
     other = threading.Thread(target=step)
-    other.start()
+    # Before the thread waits: it waits by the interval that holds when it begins to.
     sys.setswitchinterval(60)
+    other.start()
     try:
         within = 0
         for _ in range(most):

@@ -74,7 +74,7 @@ TIMED = {"seconds", "seconds_range", "planning_seconds", "planning", "command"}
 """What of a model is measured by the clock, and what is typed to run it."""
 
 JUDGED = {"on_front", "beaten_by", "is_knee"}
-"""What hangs on that."""
+"""What depends on that."""
 
 
 def _untimed(of: Any) -> Any:
@@ -144,7 +144,7 @@ def test_quantise_of_several_kernels(program: Program) -> None:
     _same(own.to_dict(), stated)
 
 
-def test_quantise_says_what_cannot_be(program: Program) -> None:
+def test_quantise_says_what_cannot_be() -> None:
     small = "q3.4"
     kernel = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]]) / 300
     with pytest.raises(amacrine.Error, match="the kernel cannot be q3.4: every weight becomes 0"):

@@ -327,7 +327,8 @@ def test_a_worker_that_is_killed_costs_the_point_in_flight(study: Path, tmp_path
         sweep = pool.submit(amacrine.sweep, study, output, set=many, client=client, shards=2)
         while any(len(kept(shard)) < 3 for shard in shards) and not sweep.done():
             time.sleep(0.005)
-        busy = next(worker for worker, tasks in client.processing().items() if tasks)
+        busy = next((worker for worker, tasks in client.processing().items() if tasks), None)
+        assert busy, sweep.result()
         os.kill(workers[busy], signal.SIGKILL)
         there = [kept(shard) for shard in shards]
         swept = sweep.result()

@@ -64,11 +64,20 @@ fn in_keys(text: &str) -> String {
         };
         said += &word.replace(bare, key);
         // Behind a comma or a bracket the sentence goes on.
+        let bare_of = |next: &str| next.trim_end_matches([',', ')', ';', '.']).len();
+        let stands_for_one = |next: &str| {
+            let name = &next[..bare_of(next)];
+            !name.is_empty() && name.chars().all(|c| c.is_ascii_uppercase())
+        };
         let begins = |c: char| c.is_ascii_digit() || takes_word && c.is_ascii_alphabetic();
-        let is_value = |next: &&str| word.ends_with(bare) && next.starts_with(begins);
+        let is_value = |next: &&str| {
+            word.ends_with(bare) && (next.starts_with(begins) || stands_for_one(next))
+        };
         if let Some(next) = words.next_if(is_value) {
-            let value = next.trim_end_matches([',', ')', ';']);
-            let _ = write!(said, " = \"{value}\"{}", &next[value.len()..]);
+            let (value, rest) = next.split_at(bare_of(next));
+            let is_number = value.parse::<f64>().is_ok() || stands_for_one(value);
+            let quote = if is_number { "" } else { "\"" };
+            let _ = write!(said, " = {quote}{value}{quote}{rest}");
         }
     }
     said
@@ -90,6 +99,11 @@ mod tests {
                 "quantise the kernel with quantise (ternary, po2-3), or try chip = \"scamp5-wide\"",
             ),
             ("ask for 5 kinds", "ask for 5 kinds"),
+            ("say it: --fps N", "say it: fps = N"),
+            (
+                "as in --fps 240, or --slice 2s..5s.",
+                "as in fps = 240, or slice = \"2s..5s\".",
+            ),
             (
                 "leave the sum free (--sum free), or search longer (--effort); `exec --fps 9`",
                 "leave the sum free (sum = \"free\"), or search longer (`amacrine compile --effort`); `exec --fps 9`",

@@ -84,10 +84,19 @@ pub(super) fn sync_name(path: &Path) -> io::Result<()> {
 /// Waits until the disk has what this file or folder holds, as far as its file system can: some
 /// sync no folders, and shares of a network that a Mac sees take no `F_FULLFSYNC`, which the
 /// standard library asks for there.
+///
+/// # Errors
+/// When the disk does not take it.
 #[cfg(unix)]
-pub(super) fn sync(file: &File) -> io::Result<()> {
+pub fn sync(file: &File) -> io::Result<()> {
     use rustix::io::Errno;
-    let cannot = [Errno::INVAL, Errno::NOTSUP, Errno::OPNOTSUPP, Errno::NOTTY];
+    let cannot = [
+        Errno::INVAL,
+        Errno::NOSYS,
+        Errno::NOTSUP,
+        Errno::NOTTY,
+        Errno::OPNOTSUPP,
+    ];
     let is_refused = |e: &io::Error| Errno::from_io_error(e).is_some_and(|e| cannot.contains(&e));
     match file.sync_all() {
         Err(e) if is_refused(&e) => match rustix::fs::fsync(file) {
@@ -98,8 +107,12 @@ pub(super) fn sync(file: &File) -> io::Result<()> {
     }
 }
 
+/// Waits until the disk has what this file holds.
+///
+/// # Errors
+/// When the disk does not take it.
 #[cfg(not(unix))]
-pub(super) fn sync(file: &File) -> io::Result<()> {
+pub fn sync(file: &File) -> io::Result<()> {
     file.sync_all()
 }
 

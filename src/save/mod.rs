@@ -26,7 +26,7 @@ mod writable;
 pub use atomic_file::{AtomicFile, reader_is_gone};
 pub use destination::{OutputKind, STDOUT, output_kind};
 pub use error::SaveError;
-pub use folder::{make_folder, make_folder_durably};
+pub use folder::{make_folder, make_folder_durably, sync};
 pub use litter::sweep_up;
 pub use spool::Spool;
 pub use stack::Stack;

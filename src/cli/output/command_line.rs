@@ -9,7 +9,9 @@ pub fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) {
         word.to_owned()
     } else if cfg!(windows) {
-        format!("\"{}\"", word.replace('"', "\\\""))
+        // A backslash before a quote stands for itself where there are two.
+        let ends = word.len() - word.trim_end_matches('\\').len();
+        format!("\"{}{}\"", word.replace('"', "\\\""), "\\".repeat(ends))
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
     }

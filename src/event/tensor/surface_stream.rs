@@ -62,7 +62,8 @@ impl SurfaceStream {
         let mut rest = events;
         while let Some(last) = rest.last() {
             let now = self.time();
-            if last.t <= now {
+            // The last surface that there can be sees all that comes later, too.
+            if last.t <= now || now == Micros(i64::MAX.cast_unsigned()) {
                 break;
             }
             let (seen, later) = rest.split_at(rest.partition_point(|event| event.t <= now));

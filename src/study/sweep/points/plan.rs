@@ -18,6 +18,7 @@ use sha2::{Digest, Sha256};
 
 use super::{grid::Axes, point::Point};
 use crate::{
+    advice::in_study,
     bundled,
     config::{Fault, Faults, Place, UnknownWord},
     isa::Device,
@@ -292,6 +293,7 @@ impl<'a> Opened<'a> {
     fn wrong(&self, point: &Point, key: &str, what: &str, help: Option<String>) -> Faults {
         let place = place(&self.study.sides, point, key);
         let fault = Fault::error(place, what, "named here");
+        let help = help.map(|help| in_study(&help));
         self.study.fault(Fault { help, ..fault })
     }
 

@@ -28,7 +28,7 @@ use super::{
 use crate::study::sweep::tables::parquet;
 use crate::{
     rig::guard::Warning,
-    save::{make_folder_durably, save_durably, sweep_up},
+    save::{self, make_folder_durably, save_durably, sweep_up},
     study::sweep::tables::{
         left_out, report,
         table::{self, Row},
@@ -274,7 +274,7 @@ impl Store {
         }
         #[cfg(not(feature = "parquet"))]
         let _ = parquet;
-        self.ledger.sync_data().map_err(|cause| StoreError::Save {
+        save::sync(&self.ledger).map_err(|cause| StoreError::Save {
             path: self.folder.join("ledger.txt"),
             cause,
         })?;

@@ -77,12 +77,8 @@ impl ProgramSpec {
             kinds: kinds.collect(),
             chip: Chip(Arc::clone(chip)),
             quantiser,
-            sum: { point.word("sum") }
-                .and_then(|word| word.parse().ok())
-                .unwrap_or(Sum::Kept),
-            memory: { point.word("memory") }
-                .and_then(|word| word.parse().ok())
-                .unwrap_or_default(),
+            sum: { point.word("sum") }.map_or(Ok(Sum::Kept), str::parse)?,
+            memory: { point.word("memory") }.map_or(Ok(DriveMemory::default()), str::parse)?,
             rounding: if is_random { seed } else { 0 },
             effort,
             name: point.word("kernel").unwrap_or_default().to_owned(),
