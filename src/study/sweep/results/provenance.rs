@@ -75,13 +75,15 @@ fn cpu() -> String {
 /// The first processor's name in `/proc/cpuinfo`.
 #[cfg(target_os = "linux")]
 fn model() -> Option<String> {
-    use std::{fs::File, io::Read as _};
+    use std::{
+        fs::File,
+        io::{BufRead, BufReader, Read},
+    };
     /// The first processor stands within it.
     const HEAD: u64 = 1 << 16;
-    let mut text = String::new();
-    let mut file = File::open("/proc/cpuinfo").ok()?.take(HEAD);
-    file.read_to_string(&mut text).ok()?;
-    model_of(&text)
+    let file = File::open("/proc/cpuinfo").ok()?.take(HEAD);
+    let lines = BufReader::new(file).lines().map_while(Result::ok);
+    model_of(&lines.collect::<Vec<_>>().join("\n"))
 }
 
 #[cfg(not(target_os = "linux"))]
