@@ -1,5 +1,5 @@
-//! What `--fidelity auto` is worth in whole commands: the full model beside what a pilot chooses,
-//! as the tables of `docs/fidelity.md`.
+//! What `--fidelity auto` is worth in whole commands, `run` and `exec`: the full model beside what a
+//! pilot chooses. `examples/fidelity.rs` asks the library the same.
 //!
 //! ```text
 //! cargo bench --bench fidelity            # all of it, a quarter of an hour
