@@ -45,7 +45,7 @@ fn main() -> Done<()> {
         for seed in 0..SEEDS {
             let sets = [
                 r#"sample.method="search""#.to_owned(),
-                "sample.points=1000000".to_owned(),
+                "sample.points=65536".to_owned(),
                 format!("sample.cost={cost:?}"),
                 format!("sample.seed={seed}"),
             ];
