@@ -29,10 +29,15 @@ pub(in crate::compile) struct StoreErrors {
 impl StoreErrors {
     /// As a chip's data has them.
     pub(in crate::compile) fn from_device(device: &Device) -> Self {
+        Self::of(&Errors::from_device(device))
+    }
+
+    /// Of all that a chip errs by.
+    pub(in crate::compile) const fn of(errors: &Errors) -> Self {
         let StoreTerms {
             transfer,
             division,
-            // A part of the signal, which plans do not follow.
+            // A part of the signal, in `Errors::gain`; plans do not follow it.
             loss: _,
             // Of an average cell, and on average.
             gain_mismatch: _,
@@ -40,18 +45,19 @@ impl StoreErrors {
             mismatch_correlation: _,
             division_mismatch: _,
             noise: _,
-        } = Errors::from_device(device).of_a_store();
+        } = errors.of_a_store();
         Self { transfer, division }
+    }
+
+    /// What a store adds.
+    pub(in crate::compile) fn added(self, splits: bool) -> f64 {
+        isa::added(self.transfer, self.division, splits)
     }
 
     /// What is stored of a sum, LSB, by a store that loses nothing.
     pub(in crate::compile) fn stored(self, sum: f64, splits: bool) -> f64 {
         let share = if splits { sum / 2.0 } else { sum };
-        isa::stored(
-            share,
-            -1.0,
-            isa::added(self.transfer, self.division, splits),
-        )
+        isa::stored(share, -1.0, self.added(splits))
     }
 }
 

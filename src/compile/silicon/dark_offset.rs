@@ -2,8 +2,11 @@
 //! array adds its transfer error, while registers off it hold the edge value, whatever is run.
 
 use crate::{
-    compile::codegen::bus_word::{Wired, wired},
-    isa::{self, Analog, Device, Errors, Figure, Primitive, StoreTerms},
+    compile::{
+        codegen::bus_word::{Wired, wired},
+        intermediate::plan::StoreErrors,
+    },
+    isa::{self, Analog, Device, Errors, Figure, Primitive},
     kernel::Kernel,
 };
 
@@ -104,19 +107,7 @@ impl Array {
     fn stored(&self, sum: f64, word: &Wired) -> f64 {
         let count = word.targets.len();
         let errors = self.errors;
-        let StoreTerms {
-            transfer,
-            division,
-            // In `Errors::gain`.
-            loss: _,
-            // Of an average cell, and on average.
-            gain_mismatch: _,
-            offset_mismatch: _,
-            mismatch_correlation: _,
-            division_mismatch: _,
-            noise: _,
-        } = errors.of_a_store();
-        let added = isa::added(transfer, division, count > 1);
+        let added = StoreErrors::of(&errors).added(count > 1);
         let (low, high) = errors.range;
         isa::stored(sum / count as f64, errors.gain(0.0), added).clamp(low, high)
     }

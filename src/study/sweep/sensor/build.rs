@@ -40,7 +40,7 @@ pub(in crate::study::sweep) struct Float {
 /// What a float point says; the memory of its sensor goes into the row.
 pub(in crate::study::sweep) fn float(entry: &Entry, row: &mut Row) -> Result<Float, Refusal> {
     let float = Float::of(&entry.point, &entry.kernels)?;
-    let state = StateBytes::of(&float.description, bytes(float.format) as usize).sum();
+    let state = StateBytes::of(&float.description, float.format.bytes() as usize).sum();
     let bytes = state as u64 * entry.scene.size.pixels() as u64;
     row.insert("state_memory_bytes".to_owned(), json!(bytes));
     Ok(float)
@@ -54,11 +54,6 @@ impl Float {
             seed: point.whole("seed").unwrap_or(0),
         })
     }
-}
-
-/// Bytes of one value.
-const fn bytes(format: Format) -> u64 {
-    format.bytes()
 }
 
 /// All that makes an array point, besides its scene.
@@ -163,7 +158,7 @@ pub(in crate::study::sweep) fn array_of(
         put("warnings", json!(erased.join(" ")));
     }
     let cell = match arithmetic {
-        Arithmetic::Number(format) => bytes(format),
+        Arithmetic::Number(format) => format.bytes(),
         Arithmetic::Silicon { .. } => size_of::<f32>() as u64,
     };
     // Every analogue register and PIX, every one-bit register and FLAG.
