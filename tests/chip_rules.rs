@@ -98,6 +98,8 @@ fn feasibility(folder: &Path, chip: &str, more: &[&str]) -> String {
         "sobel-x",
         "--to",
         "ternary",
+        "--candidates",
+        "ternary",
         "--threshold",
         "40",
         "--scene",

@@ -255,6 +255,8 @@ fn a_threshold_is_set_where_any_plan_has_one() {
         "int-3",
         "--threshold",
         "13.13",
+        "--effort",
+        "0.1",
     ];
     let words = |objective: &[&str]| {
         let said = json(
@@ -533,7 +535,7 @@ fn the_border_costs_no_more_than_it_is_worth() {
         "--json",
     ];
     let compiled = |more: &[&str]| json(folder.path(), &[&words[..], more].concat());
-    let said = compiled(&[]);
+    let said = compiled(&["--effort", "0.1"]);
     let f1 = |said: &Value| said["decided"][0]["silicon"].as_f64();
     let right = compiled(&["--border"]);
     assert_eq!(said["border"], false);

@@ -430,6 +430,8 @@ fn feasibility(folder: &Path, chip: &str) -> serde_json::Value {
         "40",
         "--to",
         "ternary",
+        "--candidates",
+        "ternary",
     ];
     let more = ["--scene", scene, "--within", "5ms", "--chips", "4"];
     let written = ["--effort", "0.1", "-o", "r.html", "--chip", chip];
