@@ -42,6 +42,23 @@ fn kept(folder: &TempDir, name: &str, text: &str) -> String {
     path.display().to_string()
 }
 
+/// Without its chip the text would be of other registers.
+#[test]
+fn what_is_disassembled_keeps_its_chip() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("w.scamp").display().to_string();
+    let line = "compile csdvs-3 --to int-4 --threshold 20 --chip scamp5-wide --memory shared --effort 0.01 -o";
+    let ask: Vec<&str> = line.split(' ').chain([path.as_str()]).collect();
+    stdout(&ask);
+    let words = stdout(&["disasm", &path]);
+    assert!(words.starts_with("//! chip = \"scamp5-wide\"\n"), "{words}");
+    let again = kept(&folder, "words.scamp", &words);
+    assert_eq!(stdout(&["disasm", &again]), words);
+    let moved = kept(&folder, "plain.scamp", "mov(A, B);\n");
+    let words = stdout(&["disasm", &moved, "--chip", "scamp5-wide"]);
+    assert!(words.starts_with("//! chip = "), "{words}");
+}
+
 #[test]
 fn what_is_disassembled_reads_back_as_the_same_words() {
     let folder = tempfile::tempdir().unwrap();

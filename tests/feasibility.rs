@@ -1294,6 +1294,43 @@ fn halvings_are_for_what_compile_says() {
     assert!(page.contains("Halvings of the change, kind by kind"));
 }
 
+/// The frame rate at either end of a figure is that of the events that the chip there has.
+#[test]
+fn rates_at_the_ends_are_of_the_chips_there() {
+    let folder = folder();
+    let scene = "pattern:noise?width=40&height=200&frames=24&seed=3&fps=100";
+    let told = json(
+        folder.path(),
+        &[
+            "feasibility",
+            "csdvs-3",
+            "--threshold",
+            "30",
+            "--to",
+            "int-4",
+            "--candidates",
+            "int-4",
+            "--chips",
+            "1",
+            "--within",
+            "20ms",
+            "--scene",
+            scene,
+            "--effort",
+            "0.03",
+            "-o",
+            "r.html",
+            "--json",
+        ],
+    );
+    let turns = told["tornado"].as_array().unwrap();
+    let noise = turns.iter().find(|turn| turn["figure"] == "error.noise");
+    let [low, high] =
+        ["low", "high"].map(|end| number(noise.unwrap(), &format!("/frames_s_at_{end}")));
+    // More noise, more events in the busiest frame, more slots.
+    assert!(high < 0.95 * low, "{low} to {high}");
+}
+
 /// A frame with more events than one scan delivers is read as whole bit planes: what is kept is of
 /// all events, of one kernel as of several, and the same as `quantise` tells.
 #[test]

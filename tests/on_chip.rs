@@ -514,6 +514,31 @@ fn kernels_that_cannot_be_are_told() {
     assert_eq!(said["into"].as_array().unwrap().len(), 2);
 }
 
+/// With one memory for all kinds a wrong event at the border is remembered, and its neighbours see
+/// that in the next frame: how far in events may differ is not one number.
+#[test]
+fn what_is_wrong_at_the_border_spreads_by_a_shared_memory() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let chip = folder.join("edge");
+    fs::create_dir(&chip).unwrap();
+    let text = "name = \"edge\"\ntitle = \"t\"\nextends = \"scamp5\"\n[figure.edge]\nanalogue = { value = -3, unit = \"LSB\", source = \"test\", evidence = \"guess\" }\n";
+    fs::write(chip.join("device.toml"), text).unwrap();
+    let ask = |memory| {
+        let line = "compile sobel-x --threshold 80 --chip edge --effort 0.02 --memory";
+        let words: Vec<&str> = line.split(' ').chain([memory]).collect();
+        let text = good(folder, &words);
+        (text, json(folder, &[&words[..], &["--json"]].concat()))
+    };
+    let (text, told) = ask("shared");
+    assert!(text.contains("further with each frame"), "{text}");
+    assert_eq!(told["border"], false);
+    assert!(told["wrong_from_border_px"].is_null(), "{told}");
+    let (text, told) = ask("analogue");
+    assert!(text.contains("within 1 pixel of it"), "{text}");
+    assert_eq!(told["wrong_from_border_px"], 1);
+}
+
 /// Of five registers, what is right at the border takes twice the words and loses events on the chip:
 /// the border of 256x256 cells is not worth that, unless it is asked for.
 #[test]

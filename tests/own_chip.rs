@@ -438,6 +438,32 @@ fn feasibility(folder: &Path, chip: &str) -> serde_json::Value {
     json(folder, &[&asked[..], &more, &written].concat())
 }
 
+/// Weights times a scale of light that is no power of two are read back as what they are.
+#[test]
+fn any_scale_of_light_is_read_back() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let kernel = |chip: &str| {
+        let ask = ["compile", "rgc-5x5", "--to", "int-5", "--threshold", "128"];
+        let rest = ["--effort", "0.01", "--chip", chip];
+        json(folder, &[&ask[..], &rest].concat())["kernel"].take()
+    };
+    let usual = kernel("scamp5");
+    for scale in [0.495, 0.37] {
+        let name = format!("scale{scale}");
+        let light = figure("scale", scale, "LSB/level", "quoted");
+        chip(folder, &name, &format!("[figure.light]\n{light}"));
+        assert_eq!(kernel(&name), usual, "{scale}");
+        fs::write(folder.join("light.scamp"), "get_image(A);\nadd(B, A, A);\n").unwrap();
+        let said = good(
+            folder,
+            &["asm", "light.scamp", "--chip", &name, "--input", "0..100"],
+        );
+        assert!(said.contains(&format!("= {scale} light")), "{said}");
+        assert!(said.contains(&format!("= {} light", 2.0 * scale)), "{said}");
+    }
+}
+
 /// A guess of one value: no other is drawn, so that all chips agree.
 #[test]
 fn a_verdict_names_the_guesses_that_it_rests_on() {

@@ -372,6 +372,60 @@ fn what_leaves_nothing_names_what_works() {
     assert!(!said.contains("-0.."), "{said}");
 }
 
+/// The rows that `feasibility` plans to read for several kernels have the events of all of them, not
+/// only of the one with the busiest frame.
+#[test]
+fn a_region_has_the_events_of_every_kernel() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    // An edge that moves at the top, for the Sobel; a spot that blinks at the bottom, for the DVS.
+    let light = Array3::from_shape_fn((24, 64, 64), |(t, y, x)| {
+        let stripes = if y < 14 && (x + 3 * t) % 12 < 6 {
+            50
+        } else {
+            0
+        };
+        let spot = (52..56).contains(&y) && (30..34).contains(&x) && t % 2 == 1;
+        100 + stripes + if spot { 90 } else { 0 }
+    });
+    write_npy(folder.join("s.npy"), &light.mapv(|level| level as u8)).unwrap();
+    let rest = [
+        "--threshold",
+        "70,100",
+        "--to",
+        "int-3",
+        "--candidates",
+        "int-3",
+        "--chips",
+        "1",
+        "--within",
+        "10ms",
+        "--scene",
+        "s.npy",
+        "--fps",
+        "100",
+        "--effort",
+        "0.03",
+        "-o",
+        "r.html",
+    ];
+    let told = json(
+        folder,
+        &[&["feasibility", "dvs", "sobel-x"][..], &rest].concat(),
+    );
+    let rows = |fit: &Value| {
+        let plans = fit["time"]["plans"].as_array().unwrap().iter();
+        let mut regions = plans.filter(|plan| plan["plan"] == "region");
+        ends(&regions.next().unwrap()["rows"])
+    };
+    let both = rows(&told["together"]["fit"]["on_chip"]);
+    for kernel in told["kernels"].as_array().unwrap() {
+        let [top, end] = rows(&kernel["fit"]["on_chip"]);
+        assert!(both[0] <= top && end <= both[1], "{both:?}: {top} to {end}");
+    }
+    assert!(both[0] < 20.0 && both[1] > 50.0, "{both:?}");
+}
+
 /// The bounds of a filter: proved, or between two numbers.
 #[test]
 fn the_fewest_words_are_bounded() {

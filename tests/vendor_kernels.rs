@@ -84,6 +84,30 @@ impl Beside for Posts {
 
 const CHANGED: &str = "this kernel is recorded only at its first launch, but";
 
+/// A word after an instruction's name may turn its meaning round; a number tells forms apart.
+#[test]
+fn no_instruction_is_guessed_from_a_longer_name() {
+    for call in [
+        "SET_IF(R8, R5);",
+        "MOV_NOT(R5, R6);",
+        "WHERE_NOT(R5);",
+        "mov_neg(A, B);",
+        "add_ab(A, B, C);",
+    ] {
+        let text = format!(
+            "int main() {{ while (1) {{ vs_frame_loop_control(); scamp5_kernel_begin(); {call} scamp5_kernel_end(); }} }}"
+        );
+        let faults = expand(&text).expect_err(call).faults;
+        let name = call.split('(').next().unwrap();
+        assert!(
+            faults.iter().any(|it| it.fault.message.contains(name)),
+            "{faults:?}"
+        );
+    }
+    let text = "int main() { while (1) { vs_frame_loop_control(); scamp5_kernel_begin(); bus2_3(D, E, A); scamp5_kernel_end(); } }";
+    expand(text).unwrap();
+}
+
 #[test]
 fn the_block_of_a_static_kernel_runs_once() {
     let count = |begin: &str, end: &str| {

@@ -129,6 +129,20 @@ scamp5_in(B, morph<DILATE>(5)); scamp5_in(B, morph<ERODE>(5));",
     );
 }
 
+/// The numbers are those of g++.
+#[test]
+fn the_mathematical_library_is_that_of_cpp() {
+    numbers(
+        "",
+        r"double q = 0.0 / 0.0; double z = 1.5; scamp5_in(A, std::isnan(q)); scamp5_in(A, isnan(z)); scamp5_in(A, std::isinf(1 / 0.0)); scamp5_in(A, std::isfinite(z)); scamp5_in(A, std::signbit(-0.0));
+scamp5_in(B, lrint(2.5)); scamp5_in(B, lrintf(-3.5f)); scamp5_in(B, labs(-7L)); scamp5_in(B, sizeof(labs(-7L))); scamp5_in(B, (int)copysign(3.0, -1.0)); scamp5_in(B, (int)fdim(9.0, 4.5) * 2); scamp5_in(B, (int)fma(2.0, 3.0, 4.0)); scamp5_in(B, (int)(remainder(7.0, 4.0) * 2));
+scamp5_in(C, (int)ldexp(3.0, 4)); scamp5_in(C, (int)(std::log1p(1.0) * 100)); scamp5_in(C, (int)(expm1(1.0) * 10)); scamp5_in(C, (int)(asinh(2.0) * 10)); scamp5_in(C, (int)(erf(0.5) * 100)); scamp5_in(C, sizeof(copysignf(1.0f, 2.0f)));",
+        &[
+            1, 0, 1, 1, 1, 2, -4, 7, 8, -3, 8, 10, -2, 48, 69, 17, 14, 52, 4,
+        ],
+    );
+}
+
 /// Characters, what functions give back, choices, a variable inside its own value.
 #[test]
 fn expressions_have_the_types_of_cpp() {

@@ -407,7 +407,7 @@ fn kinds_of_one_program_fall_together() {
         .map(|(own, quantised)| own.in_levels(quantised))
         .collect();
     let program = Together::compile(&levels, "three", None).unwrap().unwrap();
-    let (judged, _) = program
+    let (judged, ..) = program
         .judge(&designs, (WITHIN, 1), &mut *scene(), |_| ())
         .unwrap();
     assert_eq!(all.len(), 3);

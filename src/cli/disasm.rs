@@ -1,7 +1,6 @@
 //! `amacrine disasm`.
 
-use super::input::opened_program::{Opened, Source};
-use crate::program::vendor_text;
+use super::input::opened_program::Source;
 
 /// What `disasm` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -16,13 +15,7 @@ pub struct Arguments {
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let Opened {
-        program,
-        device,
-        expansion,
-        ..
-    } = arguments.source.open(&[])?;
-    super::say(&program.settings.names_line());
-    super::say(&vendor_text(&expansion.code, expansion.bare, &device));
+    let opened = arguments.source.open(&[])?;
+    super::say(&arguments.source.words(&opened));
     Ok(())
 }

@@ -148,7 +148,7 @@ fn run(
     // The frames of this run alone.
     let mut own = Guard::new();
     let seed = floats.first().map_or(0, |float| float.seed);
-    let (judged, frames) = program.judge(floats, (within, seed), scene, |frame| {
+    let (judged, _, frames) = program.judge(floats, (within, seed), scene, |frame| {
         own.frame(frame);
         seen();
     })?;

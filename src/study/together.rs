@@ -141,7 +141,8 @@ impl Together {
     }
 
     /// Shows the scene to the float sensors and to the program, and judges every kind by all of its
-    /// events, before the readout. Also the number of frames.
+    /// events, before the readout. Also what the chip's events ask of a readout, all kinds together, and
+    /// the number of frames.
     ///
     /// # Errors
     /// When a sensor cannot be made, or scene or sensor cannot go on.
@@ -151,12 +152,14 @@ impl Together {
         (within, seed): (Micros, u64),
         scene: &mut dyn Scene,
         seen: impl FnMut(&Frame),
-    ) -> Result<(Vec<Judged>, u64), StudyError> {
+    ) -> Result<(Vec<Judged>, Demand, u64), StudyError> {
         let description = description(self.memory, floats)?;
         let how = (within, seed, 1);
         let shown = judge(&[&self.every_event], &description, how, scene, seen)?;
         let judged = shown.programs.into_iter().next().unwrap_or_default();
-        Ok((judged, shown.frames))
+        let chip = shown.packets.first();
+        let demand = chip.map(|packet| Demand::new(packet, shown.frames));
+        Ok((judged, demand.unwrap_or_default(), shown.frames))
     }
 
     /// The float sensor that the program stands for, in words.

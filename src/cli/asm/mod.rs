@@ -72,6 +72,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for warning in warnings.chain(proof.unread(&opened)) {
         super::complain(&warning);
     }
+    if arguments.disasm {
+        super::say(&arguments.source.words(&opened));
+        return Ok(());
+    }
     let Opened {
         program,
         device,
@@ -79,9 +83,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ..
     } = opened;
     let changes = Changes::new(&program, &expansion, &device, &arguments.source.overrides());
-    if arguments.disasm {
-        super::say(&vendor_text(&expansion.code, expansion.bare, &device));
-    } else if arguments.json {
+    if arguments.json {
         let mut json = json(&program, &expansion, &device, changes.as_ref());
         json["proof"] = proof.json(&device);
         super::say(&format!("{json}\n"));

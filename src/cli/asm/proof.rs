@@ -15,7 +15,7 @@ use crate::{
         taps::{self, NoTaps, Taps},
     },
     cli::input::opened_program::Opened,
-    isa::{Analog, Cell, Device},
+    isa::{Analog, Cell, Device, Figure},
     plane::Plane,
     program::{Action, Entry, Expanded, Host, Step, for_each},
     unit::Lsb,
@@ -418,20 +418,33 @@ fn sees_light(steps: &[Step], device: &Device) -> bool {
     })
 }
 
-/// Each input of a register, its kernel as whole numbers, and what they are multiplied by.
-fn parts(taps: &Taps) -> Vec<(Input, f64, Plane<f64>)> {
+/// Each input of a register, its kernel as whole numbers, and what they are multiplied by: a power of
+/// two, and for light the chip's scale where that is none.
+fn parts(taps: &Taps, device: &Device) -> Vec<(Input, f64, Plane<f64>)> {
     let mut inputs: Vec<Input> = taps.taps.keys().map(|(input, ..)| *input).collect();
     inputs.sort_unstable();
     inputs.dedup();
     let whole = |input: Input| {
-        let kernel = taps.kernel(input);
+        let scale = match input {
+            Input::Light => device.value(Figure::LightScale),
+            Input::Register(_) => 1.0,
+        };
+        // A scale of other digits has rounded the weights.
+        let is_dyadic = libm::frexp(scale).0 == 0.5;
+        let (scale, tolerance) = if is_dyadic { (1.0, 0.0) } else { (scale, 1e-9) };
+        let kernel = taps.kernel(input).mapv(|weight| weight / scale);
         // Weights are whole numbers over a power of two: the largest that they share.
         let mut unit = 2f64.powi(64);
-        let fits = |unit: f64| kernel.iter().all(|w| (w / unit).fract() == 0.0);
+        let is_whole = |times: f64| (times - times.round()).abs() <= tolerance * times.abs();
+        let fits = |unit: f64| kernel.iter().all(|w| is_whole(w / unit));
         while !fits(unit) && unit > 2f64.powi(-64) {
             unit /= 2.0;
         }
-        (input, unit, kernel.mapv(|weight| weight / unit))
+        let whole = kernel.mapv(|weight| match weight / unit {
+            times if is_dyadic => times,
+            times => times.round(),
+        });
+        (input, unit * scale, whole)
     };
     inputs.into_iter().map(whole).collect()
 }
@@ -455,6 +468,11 @@ fn statement_at<'e>(entries: &'e [Entry], before: &mut u64) -> Option<&'e Expand
     None
 }
 
+/// Whether it is one part of a whole number of them.
+fn is_part(unit: f64) -> bool {
+    (1.0 / unit).fract() == 0.0
+}
+
 fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) -> Vec<String> {
     let name = device.analog_name(register);
     let taps = match kernel {
@@ -465,7 +483,7 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
         }
         Err(why) => return vec![format!("  {name:<4} no linear map: {why}")],
     };
-    let parts = parts(taps);
+    let parts = parts(taps, device);
     let constant = taps.constant.to_f64();
     if parts.is_empty() {
         return vec![format!("  {name:<4} = {constant} LSB")];
@@ -493,14 +511,14 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
             let weight = match weight * unit {
                 1.0 => String::new(),
                 -1.0 => "-".to_owned(),
-                whole if unit >= 1.0 => format!("{whole} "),
+                times if unit >= 1.0 || !is_part(unit) => format!("{times} "),
                 _ => format!("{weight}/{} ", 1.0 / unit),
             };
             lines.push(format!("{begin}{weight}{input}"));
         } else {
             let unit = if unit == 1.0 {
                 String::new()
-            } else if unit > 1.0 {
+            } else if unit > 1.0 || !is_part(unit) {
                 format!("{unit} ")
             } else {
                 format!("1/{} ", 1.0 / unit)
@@ -525,17 +543,19 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
 }
 
 fn inputs_json(taps: &Taps, device: &Device) -> Value {
-    let parts = parts(taps).into_iter().map(|(input, unit, kernel)| {
-        let rows: Vec<Vec<f64>> = kernel.rows().into_iter().map(|row| row.to_vec()).collect();
-        json!({
-            "input": match input {
-                Input::Light => "light".to_owned(),
-                Input::Register(register) => device.analog_name(register),
-            },
-            "kernel": rows,
-            "scale": unit,
-        })
-    });
+    let parts = parts(taps, device)
+        .into_iter()
+        .map(|(input, unit, kernel)| {
+            let rows: Vec<Vec<f64>> = kernel.rows().into_iter().map(|row| row.to_vec()).collect();
+            json!({
+                "input": match input {
+                    Input::Light => "light".to_owned(),
+                    Input::Register(register) => device.analog_name(register),
+                },
+                "kernel": rows,
+                "scale": unit,
+            })
+        });
     json!({
         "inputs": parts.collect::<Vec<_>>(),
         "constant_lsb": taps.constant.to_f64(),

@@ -71,7 +71,7 @@ impl Compiled {
             "filter_words": self.filter.word_count(device),
             "snake_words": self.snake,
             "border": self.wrong_within(device) == 0,
-            "wrong_from_border_px": self.wrong_within(device),
+            "wrong_from_border_px": (!self.wrong_spreads(device)).then(|| self.wrong_within(device)),
             "array_us": cost.array_us,
             "array_us_range": self.array(device).map(|it| it.ends()),
             "host_us": cost.host_us,
@@ -376,21 +376,31 @@ impl Compiled {
         own.max().unwrap_or(0)
     }
 
+    /// Whether what is wrong at the border goes further in with each frame: a wrong event renews the
+    /// memory of its pixel, which the filters of its neighbours read.
+    fn wrong_spreads(&self, device: &Device) -> bool {
+        self.memory == Some(DriveMemory::Shared) && self.wrong_within(device) > 0
+    }
+
     /// Whether the results are right at the border, and what follows where they are not.
     fn border(&self, device: &Device) -> String {
         let edge = device.value(Figure::Edge);
+        let spreads = self.wrong_spreads(device);
         let far = match self.wrong_within(device) {
             0 => return "right up to the border, zeros beyond it".to_owned(),
-            far if edge != 0.0 => {
-                return format!(
-                    "not right at the border, within {} of it: beyond it registers of {} hold {edge} LSB (edge.analogue), but the kernel assumes zeros; exec --edge 0 runs it without",
-                    counted(far, "pixel"),
-                    device.name()
-                );
-            }
-            1 => "in the outermost rows and columns".to_owned(),
+            far if spreads => format!(
+                "from it inwards, by up to {} further with each frame (the kinds share a memory of the pixel)",
+                counted(far, "pixel")
+            ),
+            1 if edge == 0.0 => "in the outermost rows and columns".to_owned(),
             far => format!("within {} of it", counted(far, "pixel")),
         };
+        if edge != 0.0 {
+            return format!(
+                "not right at the border, {far}: beyond it registers of {} hold {edge} LSB (edge.analogue), but the kernel assumes zeros; exec --edge 0 runs it without",
+                device.name()
+            );
+        }
         if self.memory.is_some() {
             format!(
                 "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or use a chip with more registers; --border insists on a program that is right there"

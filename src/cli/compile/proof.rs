@@ -39,16 +39,24 @@ impl Proof<'_> {
         let mut kernels = Vec::new();
         let filter_words = filter.words.len();
         let long = filter_words > TRACED;
+        // Weights times the chip's scale of light would round; without it they are what they are.
+        let unscaled = Settings {
+            gain: 1.0,
+            ..settings
+        };
+        let unscale = match self.input {
+            Input::Light => settings.gain / self.scale,
+            Input::Register(_) => 1.0 / self.scale,
+        };
         for (kernel, register) in self.kernels.iter().zip(self.results) {
             let (read, others) = if long {
-                (self.impulse(&expansion.code, *register)?, false)
+                (self.impulse(&expansion.code, unscaled, *register)?, false)
             } else {
-                let taps = taps::read(steps, self.device, settings, *register)
+                let taps = taps::read(steps, self.device, unscaled, *register)
                     .wrap_err("the program cannot be read back")?;
                 let others = taps.taps.keys().any(|(input, ..)| *input != self.input);
                 (taps.kernel(self.input), others)
             };
-            let unscale = 1.0 / self.scale;
             let found = Self::framed(&read, kernel.weights().dim());
             let found = found.map(|found| found.mapv(|w| w * unscale + 0.0));
             if others || found.as_ref() != Some(kernel.weights()) {
@@ -128,10 +136,14 @@ impl Proof<'_> {
 
     /// The kernel by what one bright pixel leaves behind: for programs that reach too far to be
     /// read back as forms.
-    pub(super) fn impulse(&self, code: &Code, register: Analog) -> miette::Result<Plane<f64>> {
+    fn impulse(
+        &self,
+        code: &Code,
+        settings: Settings,
+        register: Analog,
+    ) -> miette::Result<Plane<f64>> {
         const SIDE: usize = 64;
         let middle = (SIDE / 2, SIDE / 2);
-        let settings = Settings::from_device(self.device);
         let left_by = |level: f64| -> miette::Result<Plane<f64>> {
             let mut picture = Plane::zeros((SIDE, SIDE));
             picture[middle] = level;

@@ -12,8 +12,11 @@ use crate::{
         list::{bundled, meant},
         output::files::{Input, Named},
     },
+    config::on_one_line,
     isa::{Device, Figure},
-    program::{Expansion, Overrides, Program, Runnable, Syntax, included_files, is_cpp},
+    program::{
+        Expansion, Overrides, Program, Runnable, Syntax, included_files, is_cpp, vendor_text,
+    },
     source,
 };
 
@@ -92,6 +95,22 @@ impl Source {
     /// Whether it is the program as it is written: on its own chip, with its own constants.
     pub const fn is_as_written(&self) -> bool {
         self.chip.is_none() && self.constants.is_empty()
+    }
+
+    /// The program's words as text, below the lines of a head that they need: the chip, where it is
+    /// not the one that is meant without, and the names of the kinds.
+    pub fn words(&self, opened: &Opened) -> String {
+        let settings = &opened.program.settings;
+        let chip = self.chip.as_deref().or(settings.chip.as_deref());
+        let chip = chip.filter(|chip| *chip != "scamp5");
+        let chip = chip.map(|chip| format!("//! chip = {}\n", on_one_line(chip)));
+        let Expansion { code, bare, .. } = &opened.expansion;
+        [
+            chip.unwrap_or_default(),
+            settings.names_line(),
+            vendor_text(code, *bare, &opened.device),
+        ]
+        .concat()
     }
 
     /// The folder that the program's own paths are relative to.

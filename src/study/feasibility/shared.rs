@@ -152,8 +152,7 @@ fn levels<'a>(questions: &'a [Question<'_>], quantised: &'a [Quantised]) -> Vec<
 }
 
 /// Shows the scene to the float sensor that the program stands for and to the program, and judges
-/// every kernel; how many events of the kernel that has most in one frame there are to read, with
-/// the chip's errors.
+/// every kernel; what there is to read, of all of them, with the chip's errors.
 fn judge(
     of: &Question<'_>,
     questions: &[Question<'_>],
@@ -163,18 +162,13 @@ fn judge(
     seen: &mut dyn FnMut(&Frame),
 ) -> Result<Demand, FeasibilityError> {
     let floats: Vec<Design<'_>> = questions.iter().map(Question::design).collect();
-    let (judged, frames) = together.judge(&floats, (of.within, of.seed), scene, seen)?;
-    let mut busiest = Demand::default();
+    let (judged, busy, _) = together.judge(&floats, (of.within, of.seed), scene, seen)?;
     for (kind, judged) in kinds.iter_mut().zip(judged) {
         kind.exact = Some(judged.exact);
         kind.headline = Some(judged.silicon.into());
         kind.silicon = Some(judged.silicon);
-        let busy = Demand::new(&judged.packet, frames);
-        if busy.busiest() >= busiest.busiest() {
-            busiest = busy;
-        }
     }
-    Ok(busiest)
+    Ok(busy)
 }
 
 impl SharedKind {

@@ -137,13 +137,17 @@ impl Trial<'_> {
                 continue;
             };
             let mut kept = [kept_nominal; 2];
+            // What there is to read is what the chip of that end says.
+            let mut busy = [(); 2].map(|()| busy.clone());
             for (end, packet) in ends.iter().zip(packets) {
                 if end.number == number {
-                    kept[usize::from(end.is_high)] = kept_of(packet)?;
+                    let side = usize::from(end.is_high);
+                    kept[side] = kept_of(packet)?;
+                    busy[side] = Demand::new(packet, self.frames);
                 }
             }
             let [low, high] = interval.ends();
-            let rate = |end: f64| {
+            let rate = |end: f64, busy: &Demand| {
                 let value = |other: Named| {
                     if other == *named {
                         end
@@ -151,7 +155,7 @@ impl Trial<'_> {
                         other.value(device)
                     }
                 };
-                self.frames_s(&value, &busy)
+                self.frames_s(&value, busy)
             };
             turns.push(Turn {
                 figure: named.name(),
@@ -163,8 +167,8 @@ impl Trial<'_> {
                 kept_at_low: kept[0],
                 kept_at_high: kept[1],
                 kept_nominal,
-                frames_s_at_low: rate(low),
-                frames_s_at_high: rate(high),
+                frames_s_at_low: rate(low, &busy[0]),
+                frames_s_at_high: rate(high, &busy[1]),
             });
         }
         let by = |turn: &Turn| (turn.swing(), turn.swing_of_rate());

@@ -257,18 +257,18 @@ pub(in crate::program::vendor) fn is_known(
     !machine.device.callables(&name).is_empty() || name == "icw"
 }
 
-/// `bus2_3` and `add_ab` where the chip has `bus2` and `add`: compilers name forms apart that
-/// the vendor tells apart by their arguments.
+/// `bus2_3` where the chip has `bus2`: compilers number forms that the vendor tells apart by their
+/// arguments. Any other word may turn the meaning round, as `MOV_NOT` would.
 fn variant(device: &Device, name: &str, given: usize) -> String {
     if device.callables(name).is_empty()
         && let Some((base, rest)) = name.rsplit_once('_')
     {
-        let plain = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric());
+        let is_number = !rest.is_empty() && rest.bytes().all(|c| c.is_ascii_digit());
         let takes = device
             .callables(base)
             .iter()
             .any(|it| it.signature().counts().contains(&given));
-        if plain && !base.starts_with("scamp5") && takes {
+        if is_number && !base.starts_with("scamp5") && takes {
             return base.to_owned();
         }
     }

@@ -102,17 +102,19 @@ pub(super) fn number(name: &str, given: &[f64]) -> Option<f64> {
         "roundf" | "floorf" | "ceilf" | "truncf" | "sqrtf" | "cbrtf" | "fabsf" | "sinf"
         | "cosf" | "tanf" | "asinf" | "acosf" | "atanf" | "sinhf" | "coshf" | "tanhf" | "expf"
         | "exp2f" | "logf" | "log2f" | "log10f" | "powf" | "atan2f" | "fminf" | "fmaxf"
-        | "fmodf" | "hypotf" | "rintf" | "nearbyintf" | "lroundf" => &name[..name.len() - 1],
+        | "fmodf" | "hypotf" | "rintf" | "nearbyintf" | "lroundf" | "lrintf" | "asinhf"
+        | "acoshf" | "atanhf" | "expm1f" | "log1pf" | "erff" | "erfcf" | "tgammaf"
+        | "copysignf" | "fdimf" | "fmaf" | "remainderf" | "ldexpf" => &name[..name.len() - 1],
         name => name,
     };
     Some(match (base, given) {
-        ("abs" | "fabs", [x]) => x.abs(),
+        ("abs" | "fabs" | "labs" | "llabs", [x]) => x.abs(),
         ("sqrt", [x]) => x.sqrt(),
         ("cbrt", [x]) => libm::cbrt(*x),
         ("floor", [x]) => x.floor(),
         ("ceil", [x]) => x.ceil(),
         ("round" | "lround" | "llround", [x]) => x.round(),
-        ("rint" | "nearbyint", [x]) => x.round_ties_even(),
+        ("rint" | "nearbyint" | "lrint" | "llrint", [x]) => x.round_ties_even(),
         ("trunc", [x]) => x.trunc(),
         ("sin", [x]) => elementary::sin(*x),
         ("cos", [x]) => elementary::cos(*x),
@@ -128,6 +130,24 @@ pub(super) fn number(name: &str, given: &[f64]) -> Option<f64> {
         ("log", [x]) => elementary::ln(*x),
         ("log2", [x]) => elementary::log2(*x),
         ("log10", [x]) => elementary::log10(*x),
+        ("asinh", [x]) => libm::asinh(*x),
+        ("acosh", [x]) => libm::acosh(*x),
+        ("atanh", [x]) => libm::atanh(*x),
+        ("expm1", [x]) => libm::expm1(*x),
+        ("log1p", [x]) => libm::log1p(*x),
+        ("erf", [x]) => libm::erf(*x),
+        ("erfc", [x]) => libm::erfc(*x),
+        ("tgamma", [x]) => libm::tgamma(*x),
+        ("isnan", [x]) => x.is_nan().into(),
+        ("isinf", [x]) => x.is_infinite().into(),
+        ("isfinite", [x]) => x.is_finite().into(),
+        ("signbit", [x]) => x.is_sign_negative().into(),
+        ("copysign", [x, y]) => x.copysign(*y),
+        ("fdim", [x, y]) => libm::fdim(*x, *y),
+        ("remainder", [x, y]) => libm::remainder(*x, *y),
+        // `as` saturates.
+        ("ldexp" | "scalbn", [x, n]) => libm::ldexp(*x, *n as i32),
+        ("fma", [x, y, z]) => libm::fma(*x, *y, *z),
         ("min" | "fmin", [x, y]) => x.min(*y),
         ("max" | "fmax", [x, y]) => x.max(*y),
         ("pow", [x, y]) => elementary::pow(*x, *y),

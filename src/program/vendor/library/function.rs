@@ -161,9 +161,11 @@ impl Machine<'_> {
             ("abs" | "min" | "max" | "clamp", [first, ..]) if whole => {
                 Value::from_number(result).converted(first.kind())
             }
-            ("lround" | "lroundf" | "llround", _) => {
-                Value::Real(result).converted(Kind::Bits(64, true))
-            }
+            (
+                "lround" | "lroundf" | "llround" | "lrint" | "lrintf" | "llrint" | "labs" | "llabs",
+                _,
+            ) => Value::Real(result).converted(Kind::Bits(64, true)),
+            ("isnan" | "isinf" | "isfinite" | "signbit", _) => Value::Whole(result as i64),
             // `sqrtf` and its kin, and what is chosen of numbers of 32 bits.
             ("abs" | "fabs" | "min" | "max" | "clamp", [first, ..]) => {
                 let narrow = values.iter().all(|it| matches!(it, Value::Single(_)));

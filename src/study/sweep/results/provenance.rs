@@ -7,7 +7,7 @@ pub const SCHEMA: u32 = 6;
 
 /// The version of the numerics: two builds of one version compute the same bits from the same
 /// point, on any processor that `docs/limits.md` names. It is raised whenever a result may change.
-pub const NUMERICS: u32 = 10;
+pub const NUMERICS: u32 = 11;
 
 /// Who computed a point.
 // In the order of the alphabet: the order in which a checksum takes keys.
