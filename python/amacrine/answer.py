@@ -103,9 +103,12 @@ class Answer:
 
     def to_frame(self, key: str | None = None) -> Any:
         """A list of it as a pandas data frame, such as ``"chip.rows"`` for one inside of another; the
-        list that is its table where ``key`` is left out. Needs pandas."""
+        list that is its table where ``key`` is left out. Of several kernels it is that of each where only
+        each has it, with the kernel's name in the column ``kernel``. Needs pandas."""
         key = self._rows if key is None else key
         found = self._list(key)
+        if found is None:
+            found = self._of_kernels(key)
         if found is None:
             lists = [name for name, of in self._data.items() if isinstance(of, list)]
             lists += [self._rows] if self._rows and "." in self._rows else []
@@ -119,6 +122,14 @@ class Answer:
         for name in (key or "").split("."):
             found = found.get(name) if isinstance(found, dict) else None
         return found if isinstance(found, list) else None
+
+    def _of_kernels(self, key: str | None) -> list[Any] | None:
+        """The lists of this name of all kernels, one after the other."""
+        kernels = [of for of in self._list("kernels") or () if isinstance(of, dict)]
+        each = [(_name(of), Answer(of)._list(key)) for of in kernels]
+        if all(rows is None for _, rows in each):
+            return None
+        return [{"kernel": name} | row for name, rows in each for row in rows or ()]
 
     @property
     def page(self) -> str | None:
@@ -153,6 +164,11 @@ class Answer:
             return table(self._shown)
         rows = self._list(self._rows) if self._rows else [self._data]
         return table(rows or [])
+
+
+def _name(of: dict[str, Any]) -> Any:
+    """What the kernel is called that a part of an answer is of."""
+    return of["name"] if "name" in of else of["kernel"]["name"]
 
 
 def _again(

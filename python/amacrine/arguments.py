@@ -11,9 +11,10 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike, fspath
-from typing import Any, ParamSpec, TypeVar, Union
+from typing import Any, ParamSpec, TypeGuard, TypeVar, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from ._amacrine import Error
 
@@ -62,6 +63,42 @@ def number(name: str, given: Any, help: str) -> float:
     raise Error(f"{name} = {given!r} is no number\nhelp: {help}")
 
 
+def axes(of: Any) -> int:
+    """How many axes it has as an array; 1 of what numpy makes no array of, such as rows of several
+    lengths."""
+    try:
+        return np.ndim(of)
+    except (TypeError, ValueError, RuntimeError):
+        return 1
+
+
+def is_list(given: Any) -> TypeGuard[Iterable[Any]]:
+    """Whether it has parts. A word has letters only, and an array of no axes only looks iterable."""
+    is_word = isinstance(given, (str, bytes))
+    return isinstance(given, Iterable) and not is_word and getattr(given, "ndim", 1) != 0
+
+
+def real(name: str, given: Any, help: str) -> npt.NDArray[Any]:
+    """An array of real numbers. Text would be read as numbers, and of complex ones a part be lost."""
+    try:
+        array = np.asarray(given)
+    except (TypeError, ValueError, RuntimeError) as cause:
+        raise Error(f"{name} is no array: {cause}\nhelp: {help}") from cause
+    if array.dtype.kind not in "buif":
+        raise Error(f"{name}: its numbers are {array.dtype}; expected floats or integers\nhelp: {help}")
+    return array
+
+
+def dtype(given: Any, known: str) -> np.dtype[Any]:
+    """A type of numbers. PyTorch's are called as numpy's are; for numpy None is float64, for whoever
+    leaves it out another."""
+    named = "none" if given is None else str(given).removeprefix("torch.")
+    try:
+        return np.dtype(given if named == str(given) else named)
+    except (TypeError, ValueError, SyntaxError):
+        raise Error(f"no dtype {given!r}\nhelp: give {known}") from None
+
+
 def phase(given: Any) -> float | None:
     """A part of once around, or none."""
     help = "give a part of 1, such as phase=0.3"
@@ -73,10 +110,8 @@ def phase(given: Any) -> float | None:
 
 def numbers(name: str, given: Any, help: str) -> list[float]:
     """A list of numbers; one number alone is a list of one."""
-    # A word is iterable, too, and a table; an array of no axes is not.
-    several = isinstance(given, Iterable) and not isinstance(given, (str, bytes, Mapping))
-    axes: int = getattr(given, "ndim", 1)
-    all = given if several and axes else [given]
+    # A table has keys only.
+    all = given if is_list(given) and not isinstance(given, Mapping) else [given]
     return [number(name, one, help) for one in all]
 
 
@@ -216,7 +251,15 @@ def seconds(name: str, given: Any, least: float = 0.0) -> float:
 
 def micros(name: str, given: Any) -> int | None:
     """Seconds as whole microseconds; none is none."""
-    return None if given is None else round(seconds(name, given) * 1e6)
+    return None if given is None else to_micros(seconds(name, given))
+
+
+def to_micros(seconds: float) -> int:
+    """The nearest microsecond, of two as near the later, as the library has it; ``round`` takes the
+    even one."""
+    exact = seconds * 1e6
+    before = math.floor(exact)
+    return before + int(exact - before >= 0.5)
 
 
 def size(given: Any, name: str = "size") -> tuple[int, int] | None:
@@ -245,20 +288,20 @@ def names(name: str, given: Any) -> list[str]:
     """A list of names; one name alone is a list of one."""
     if isinstance(given, str):
         return [letters(name, given)]
-    if isinstance(given, Iterable):
+    if is_list(given):
         all = list(given)
-        if not any(isinstance(one, (bytes, Mapping)) or np.ndim(one) for one in all):
+        if not any(isinstance(one, (bytes, Mapping)) or axes(one) for one in all):
             return [letters(name, str(one)) for one in all]
     raise Error(f"{name} = {given!r}\nhelp: give a name, or a list of names")
 
 
 def parts(given: Any) -> Iterable[Any]:
     """A clip that comes part by part."""
-    if not isinstance(given, Iterable):
-        raise Error(
-            f"parts = {given!r} are no clip\nhelp: give a list, or a generator, of arrays (t,H,W)"
-        )
-    return given
+    if is_list(given):
+        return given
+    raise Error(
+        f"parts = {given!r} are no clip\nhelp: give a list, or a generator, of arrays (t,H,W)"
+    )
 
 
 def table(name: str, given: Any, such_as: str) -> dict[str, Any]:

@@ -124,7 +124,7 @@ def picture(events: NamedEvents) -> str:
     try:
         given = packed(events.ravel(), events.sensor_size)
         ends = events.span
-        span = None if ends is None else (round(ends[0] * 1e6), round(ends[1] * 1e6))
+        span = None if ends is None else (arguments.to_micros(ends[0]), arguments.to_micros(ends[1]))
         png = _amacrine.event_picture(
             given, events.sensor_size or given.reach, events.kinds or 1, span, "events"
         )
@@ -404,16 +404,16 @@ def voxels(
     span = getattr(events, "span", None)
     if start is None:
         start = (span or (0.0, 0.0))[0]
-    since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
+    since = arguments.to_micros(arguments.seconds("start", start, -arguments.SECONDS))
     size, count = size_of(events, size), kinds_of(events, channels) or 1
     given, number = _checked(events, size), voxel.number(dtype)
     last = max(given.latest - since, 0)
     stop = None if end is None else arguments.seconds("end", end, -arguments.SECONDS)
     if stop is not None:
-        until = max(round(stop * 1e6) - since, 0)
+        until = max(arguments.to_micros(stop) - since, 0)
     else:
         # Nobody must lose an event that lies behind the span.
-        until = max(last, round(span[1] * 1e6) - since if span else 0)
+        until = max(last, arguments.to_micros(span[1]) - since if span else 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
     voxel.check_length(length, until * 1e-6)
@@ -456,7 +456,7 @@ def time_surfaces(
     size, count = size_of(events, size), kinds_of(events, channels) or 1
     help = "give seconds, from 0 on, such as [0.01, 0.02]"
     seconds = [arguments.seconds("times", one) for one in arguments.numbers("times", times, help)]
-    micros = [round(time * 1e6) for time in seconds]
+    micros = [arguments.to_micros(time) for time in seconds]
     flat, place = _amacrine.surfaces(
         _placed(_checked(events, size), size),
         size,

@@ -153,7 +153,9 @@ def write(
         format: Where the extension does not say it.
         compression: Of aedat4: lz4, zstd or none.
 
-    What a format cannot hold is an :class:`Error`, never clipped or flattened.
+    What a format cannot hold is an :class:`Error`, never clipped or flattened. What is known besides
+    the events is left out where a format has no place for it: csv has a column ``channel`` of several
+    kinds, and none of how many there are, their names, the size, the span, or what was lost.
     """
     given = whole(events)
     place, kinds = size_of(given, size), kinds_of(given, channels)
@@ -208,7 +210,7 @@ def _micros(span: Any) -> tuple[int, int] | None:
     times = arguments.numbers("span", span, help)
     if len(times) != 2 or not 0.0 <= times[0] <= times[1] <= arguments.SECONDS:
         raise Error(f"span = {span!r}\nhelp: {help}")
-    return round(times[0] * 1e6), round(times[1] * 1e6)
+    return arguments.to_micros(times[0]), arguments.to_micros(times[1])
 
 
 def compare(

@@ -80,7 +80,7 @@ def _is_loaded(frames: Any) -> bool:
     return (
         isinstance(frames, tuple)
         and len(frames) == 2
-        and np.ndim(frames[1]) == 0
+        and arguments.axes(frames[1]) == 0
         and getattr(frames[0], "ndim", 0) == 3
     )
 

@@ -125,16 +125,13 @@ class Forward:
         if given is None:
             return None
         help = "give the loss's gradient of voxels as voxels, that of counts as counts"
-        try:
-            array = np.asarray(given, self._seen.voxels.dtype)
-        except (TypeError, ValueError, RuntimeError) as cause:
-            raise Error(f"a gradient that is no array: {cause}\nhelp: {help}") from cause
+        array = arguments.real("a gradient", given, help)
         if array.shape != shape:
             raise Error(
                 f"a gradient of shape {array.shape} of what has the shape {shape}\n"
                 f"help: {help}"
             )
-        return np.ascontiguousarray(array).reshape(-1)
+        return np.ascontiguousarray(array, self._seen.voxels.dtype).reshape(-1)
 
 
 def forward(
@@ -164,10 +161,7 @@ def forward(
             on (1 is once around). Left out, memories begin at the first frame.
     """
     check_float(sensor)
-    try:
-        number = np.dtype("none" if dtype is None else dtype)
-    except TypeError:
-        raise Error(f"no dtype {dtype!r}\nhelp: give float32 or float64") from None
+    number = arguments.dtype(dtype, "float32 or float64")
     if number not in (np.float32, np.float64):
         raise Error(f"gradients in {number}\nhelp: give float32 or float64")
     given = clips(frames, scale)

@@ -24,20 +24,21 @@ SHAPES = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd"
 
 def kernels(given: Any) -> list[Kernel]:
     """Each kernel on its own: a name, or an array (k,k)."""
+    return [kernel for _, kernel in _called(given)]
+
+
+def _called(given: Any) -> list[tuple[str | None, Kernel]]:
+    """Each kernel on its own, and what the command line calls it; none of what is no file and no
+    name."""
     if isinstance(given, (str, Path)):
-        return _named(given)
+        found = _named(given)
+        of_one = [str(given)] if len(found) == 1 else [f"{given}[{i}]" for i in range(len(found))]
+        return [*zip(of_one, found)]
     if isinstance(given, (list, tuple)) and any(
-        isinstance(one, (str, Path)) or _axes(one) >= 2 for one in given
+        isinstance(one, (str, Path)) or arguments.axes(one) >= 2 for one in given
     ):
-        return [kernel for one in given for kernel in kernels(one)]
-    return _planes(_array(given))
-
-
-def _axes(of: Any) -> int:
-    try:
-        return np.ndim(of)
-    except ValueError:
-        return 1
+        return [kernel for one in given for kernel in _called(one)]
+    return [(None, kernel) for kernel in _planes(_array(given))]
 
 
 def _array(given: Any) -> npt.NDArray[Any]:
@@ -83,17 +84,18 @@ def npy(kernel: npt.NDArray[Any]) -> bytes:
     return file.getvalue()
 
 
-def named(given: Any) -> list[tuple[str, bytes | None]]:
-    """Each kernel for a study: what it is called, and its bytes unless it is built in."""
-    found = kernels(given)
-    one = len(found) == 1
+def named(given: Any, first: int | None = None) -> list[tuple[str, bytes | None]]:
+    """Each kernel for a study: what it is called, and its bytes unless it is built in. Arrays are called
+    by their numbers, from ``first`` on of kernels that follow others."""
+    found = _called(given)
+    is_alone = first is None and len(found) == 1
     return [
-        of_study(kernel, "the kernel" if one else f"kernel {i}") for i, kernel in enumerate(found)
+        (name or ("the kernel" if is_alone else f"kernel {n}"), _bytes(kernel))
+        for n, (name, kernel) in enumerate(found, first or 0)
     ]
 
 
-def of_study(kernel: Kernel, called: str) -> tuple[str, bytes | None]:
-    """A kernel for a study; an array is called so."""
+def _bytes(kernel: Kernel) -> bytes | None:
     if not isinstance(kernel, str):
-        return called, npy(kernel)
-    return kernel, Path(kernel).read_bytes() if Path(kernel).is_file() else None
+        return npy(kernel)
+    return Path(kernel).read_bytes() if Path(kernel).is_file() else None

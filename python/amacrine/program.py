@@ -211,15 +211,23 @@ class Program:
 def _registers(given: Any, size: tuple[int, int]) -> list[tuple[str, npt.NDArray[np.float64]]]:
     """What registers are set to, by name."""
     such_as = '{"A": array}'
-    found = []
-    for name, values in arguments.table("registers", given, such_as).items():
-        arguments.unmasked(f"registers: {name}", values)
-        try:
-            plane = np.broadcast_to(np.asarray(values, np.float64), size)
-        except (TypeError, ValueError, RuntimeError) as cause:
-            raise Error(f"registers: {name}: {cause}\nhelp: give (H,W) of the frames") from cause
-        found.append((name, np.ascontiguousarray(plane)))
-    return found
+    all = arguments.table("registers", given, such_as).items()
+    return [(name, _plane(f"registers: {name}", values, size)) for name, values in all]
+
+
+def _plane(name: str, given: Any, size: tuple[int, int]) -> npt.NDArray[np.float64]:
+    """What a register holds: one number everywhere, or one for each pixel. What numpy would stretch to
+    the size of the frames is taken for a mistake."""
+    help = f"give one number, or an array (H,W) of the frames, {size}, of real numbers"
+    arguments.unmasked(name, given)
+    array = arguments.real(name, given, help)
+    if array.ndim not in (0, 2):
+        shape = list(array.shape)
+        raise Error(f"{name}: it has shape {shape}; expected two axes, rows and columns\nhelp: {help}")
+    if array.ndim == 2 and array.shape != size:
+        height, width = array.shape
+        raise Error(f"{name} is {width}x{height}, the light is {size[1]}x{size[0]}\nhelp: {help}")
+    return np.ascontiguousarray(np.broadcast_to(array, size), np.float64)
 
 
 def _finite(name: str, given: float | None) -> float | None:

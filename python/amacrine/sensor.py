@@ -134,18 +134,21 @@ class EventSensor(ABC):
             A structured array with the fields ``t`` (us), ``x``, ``y`` (pixels), ``p`` (1 for ON,
             0 for OFF), ordered by time, and ``channel`` where there are several kinds of cells:
             what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. It knows
-            its ``.sensor_size``, ``.kinds`` and their ``.names``, and the ``.span`` of the clip. A
-            list of arrays where there are several clips, as (B,T,1,H,W) has them.
+            its ``.sensor_size``, ``.kinds`` and their ``.names``, and the ``.span`` of the clip, up to
+            the last event where a readout has it arrive later. A list of arrays where there are several
+            clips, as (B,T,1,H,W) has them.
         """
         given, fps = clips(frames, scale), arguments.rate(fps)
         check_side(given.size)
         kinds, called = len(self.channels), self._called
         contrast, through = self._contrast(upsample), readout_of(readout)
-
-        span = 0.0, max(given.frames - 1, 0) / fps
+        end = max(given.frames - 1, 0) / fps
 
         def watch(b: int, run: _amacrine.Run) -> NamedEvents:
             records = view(run.events(given.clip(b), contrast, through), kinds)
+            # What a readout delays may arrive after the last frame.
+            last = 0 if through is None else int(records["t"].max(initial=0))
+            span = 0.0, max(end, last / 1e6)
             return named(records, called, given.size, kinds, span, run.dropped)
 
         all: Any = self._each(given, fps, watch)
@@ -235,8 +238,9 @@ class EventSensor(ABC):
         given, number, fps = clips(frames, scale), voxel.number(dtype), arguments.rate(fps)
         kinds, size = len(self.channels), given.size
         if bins is None:
+            # As texts: arrays have no one answer to whether they are equal.
             asked = window, every, causal, polarity, share, normalise, upsample
-            if asked != (None, None, True, "signed", "bilinear", None, None):
+            if [*map(str, asked)] != ["None", "None", "True", "signed", "bilinear", "None", "None"]:
                 raise Error(
                     "window, every, causal, polarity, share, normalise and upsample are of windows of "
                     "bins\n"
@@ -259,7 +263,7 @@ class EventSensor(ABC):
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
         voxel.check_length(length, seconds)
-        windows = how.count(round(seconds * 1e6))
+        windows = how.count(arguments.to_micros(seconds))
         contrast = self._contrast(upsample)
         step = PART if contrast is None else max(given.frames, 1)
         # Sums of windows that have begun, and windows that end within a part.
@@ -335,7 +339,7 @@ class EventSensor(ABC):
             seconds = max(stream.seen - 1, 0) / stream.fps
             # How long the clip is nobody knows before; it is said with the windows that its end leaves.
             voxel.check_length(window, seconds)
-            for values in opened.rest(round(seconds * 1e6)):
+            for values in opened.rest(arguments.to_micros(seconds)):
                 yield voxel.narrowed(values, number).reshape(one)
         stream._caution(over=True)
 
@@ -466,7 +470,7 @@ class Sensor(EventSensor):
         format: str = "f64",
         max_events: int | None = None,
     ) -> None:
-        if memory == "authors-pixel-step":
+        if isinstance(memory, str) and memory == "authors-pixel-step":
             raise Error(
                 f"memory = {memory!r} needs a kernel for the memory and the authors' refractory rule\n"
                 "help: write a sensor file with its memory-kernel, for Sensor.from_text or from_file"
@@ -753,7 +757,8 @@ class Sensor(EventSensor):
                 range, as in studies (``.program.run`` does so with ``clip=True``); cells of silicon
                 saturate as the chip's data say (``clip=False``).
             chip: A shipped chip by name, or the folder of another.
-            sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
+            sum: What the quantised kernels must sum to: ``"free"``, ``"zero"``, which weights as they
+                are cannot be told to, or ``"kept"``.
             memory: What the program remembers: ``"analogue"``, the drive of each kind, for which
                 SCAMP-5 has registers enough for two kinds; ``"shared"``, the pixel, in one register
                 for all kinds; ``"bits:N"``, the drive in N one-bit registers a kind. What
@@ -797,8 +802,8 @@ class Sensor(EventSensor):
         arguments.one_of("readout", readout, ("all", "slots"))
         seed = self._seed if seed is None else arguments.whole("seed", seed)
         effort = arguments.number("effort", effort, "give seconds, such as effort=1")
-        to, domain = arguments.word("to", to, "int-5"), _domain(domain)
-        sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
+        (to, sum), domain = _levels(to, sum), _domain(domain)
+        memory = arguments.word_or_none("memory", memory, "shared")
         objective = arguments.word("objective", objective, "silicon")
         on = found_chip(chip)
         aim = (objective, arguments.flag("border", border))
@@ -1055,17 +1060,17 @@ def compile_filter(
     ends = None if input is None else arguments.numbers("input", input, INPUT)
     if ends is not None and len(ends) != 2:
         raise Error(f"input = {input!r}\nhelp: {INPUT}")
-    on = found_chip(chip)
+    on, (to, sum) = found_chip(chip), _levels(to, sum)
     text, results = _amacrine.compile_filter(
         files(kernels),
         (
-            arguments.word("to", to, "int-5"),
+            to,
             None if ends is None else (ends[0], ends[1]),
             arguments.flag("border", border),
             arguments.word("objective", objective, "silicon"),
         ),
         (
-            arguments.word("sum", sum, "kept"),
+            sum,
             on,
             arguments.number("effort", effort, "give seconds, such as effort=1"),
             arguments.whole("seed", seed),
@@ -1075,6 +1080,17 @@ def compile_filter(
 
 
 INPUT = "give the least and the most, in LSB, such as input=(0, 127)"
+
+
+def _levels(to: Any, sum: Any) -> tuple[str, str]:
+    """The few values that weights are brought to, and what they must sum to."""
+    to, sum = arguments.word("to", to, "int-5"), arguments.word("sum", sum, "kept")
+    if sum == "zero" and to in ("exact", "none"):
+        raise Error(
+            'sum="zero", and exact weights keep the sum that they have\n'
+            'help: give a quantiser (to="int-5"), or leave sum out'
+        )
+    return to, sum
 
 
 def _cautioned(chip: ChipSensor) -> ChipSensor:
@@ -1106,7 +1122,7 @@ def _windows(
     (parts, contrast), stream = shown, _amacrine.Stream(how, *place)
     for part in parts:
         yield from run.windows(part, contrast, stream)
-    yield from stream.rest(round(seconds * 1e6))
+    yield from stream.rest(arguments.to_micros(seconds))
 
 
 def _all(count: int, watch: Callable[[int], T], halt: _amacrine.Halt) -> list[T]:
@@ -1137,7 +1153,7 @@ def _how(seed: Any, format: Any, max_events: Any) -> tuple[int, str, int | None]
 
 def _refractory(given: Any) -> Any:
     """A table; a number is microseconds."""
-    if given is None or isinstance(given, (Mapping, str)) or np.ndim(given) > 0:
+    if given is None or isinstance(given, (Mapping, str)) or arguments.axes(given) > 0:
         return given
     return {"us": arguments.number("refractory", given, "give microseconds, or a table")}
 
@@ -1147,7 +1163,7 @@ def _thresholds(given: Any, count: int, unit: str = UNIT) -> list[dict[str, Any]
     that is made of it nobody has written."""
     given = untracked(given)
     if isinstance(given, Mapping) or (
-        not isinstance(given, (list, tuple)) and np.ndim(given) == 0
+        not isinstance(given, (list, tuple)) and arguments.axes(given) == 0
     ):
         return [_threshold("thresholds", given, unit)] * count
     all = list(given)

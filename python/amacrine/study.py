@@ -31,7 +31,7 @@ from ._amacrine import (
 from .answer import Answer, told
 from .frames import shown
 from .caution import caution
-from .kernels import Kernels, kernels as each, named, npy, of_study
+from .kernels import Kernels, named, npy
 from .names import chip as found_chip
 from .program import Program
 from .readout import Readout, readout_of
@@ -594,8 +594,7 @@ def _kinds(given: Any) -> _Kinds:
     for part, sensor in zip(parts, sensors):
         if sensor is None:
             own = None
-            for kernel in each(part):
-                kinds.append(of_study(kernel, f"kernel {len(kinds)}"))
+            kinds += named(part, len(kinds))
             continue
         called, of = sensor
         called_kinds, kernels, thresholds, memory, notes = of._native.studied(called)

@@ -56,15 +56,7 @@ def check_length(window: float, seconds: float) -> None:
 
 def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
     """The type of voxels."""
-    if dtype is None:
-        # For numpy that is float64, for whoever leaves it out float32.
-        raise Error("no dtype None\nhelp: give float16, float32 or float64")
-    # PyTorch's types are called as numpy's are.
-    named = str(dtype).removeprefix("torch.")
-    try:
-        found = np.dtype(named if str(dtype) != named else dtype)
-    except TypeError:
-        raise Error(f"no dtype {dtype!r}\nhelp: give float16, float32 or float64") from None
+    found = arguments.dtype(dtype, "float16, float32 or float64")
     if found.kind != "f" or found.itemsize > 8:
         raise Error(
             f"voxels of dtype {found}\nhelp: give float16, float32 or float64; counts are whole"

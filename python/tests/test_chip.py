@@ -235,6 +235,15 @@ def test_a_filter_alone(program: Callable[..., str], tmp_path: Path) -> None:
     assert list(two.results) == ["A", "B"]
 
 
+@pytest.mark.parametrize("given", [True, 3, np.float16(2.5), np.array(4)])
+def test_registers_are_one_number_or_a_plane_of_the_frames(given: Any) -> None:
+    still = amacrine.Program.from_text("mov(B, A);")
+    planes = [np.full((4, 6), given), np.full((4, 6), given).astype(np.float32)]
+    for own in (given, *planes):
+        run = still.run(np.zeros((1, 4, 6), np.uint8), 9, registers={"A": own})
+        np.testing.assert_array_equal(run.registers["B"], planes[0])
+
+
 def test_small_light_is_told_of(frames: Frames) -> None:
     snap = amacrine.Program.from_file("dvs/snap")
     with pytest.warns(amacrine.Caution, match="all light lies between 0 and 1, but") as said:

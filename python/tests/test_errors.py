@@ -58,6 +58,11 @@ class NoTable:
 
 LARGE = np.zeros((4, 8, 300), np.uint8)
 
+EXACT_SUM = (
+    'sum="zero", and exact weights keep the sum that they have\n'
+    'help: give a quantiser (to="int-5"), or leave sum out'
+)
+
 LARGER: dict[str, Callable[[], Any]] = {
     "design": lambda: amacrine.design("dvs", thresholds=9, scene=LARGE, fps=9, effort=0),
     "quantise": lambda: amacrine.quantise(
@@ -71,6 +76,32 @@ LARGER: dict[str, Callable[[], Any]] = {
 }
 
 MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
+    "memory of no word": (lambda: amacrine.Sensor("dvs", 1, memory=_any(np.array([]))), "memory = "),
+    "rows of a dead time": (
+        lambda: amacrine.Sensor("dvs", 1, refractory=_any([[1], [1, 2]])), "`refractory` takes a table"
+    ),
+    "names of no axes": (lambda: amacrine.Sensor("dvs", 1, names=_any(np.array(3))), "list of names"),
+    "rows of names": (lambda: amacrine.Sensor("dvs", 1, names=_any([[["a"], []]])), "list of names"),
+    "written names of no axes": (
+        lambda: amacrine.write("x.npy", _few(), names=_any(np.array(3))), "names = array(3)"
+    ),
+    "keep of no axes": (lambda: _snap(keep=np.array(3)), "keep = array(3)"),
+    "without of no axes": (lambda: _snap(without=np.array(3)), "without = array(3)"),
+    "parts of no axes": (
+        lambda: sensor().voxel_windows(_any(np.array(3)), 9, bins=1, window=1), "parts = array(3)"
+    ),
+    "dtype of a table": (
+        lambda: sensor().voxels(GOOD, 9, bins=1, dtype=_any({"readout": "scan"})), "float16, float32"
+    ),
+    "windows in an array": (
+        lambda: sensor().voxels(GOOD, 9, window=_any(np.array([1, 2]))), "give bins"
+    ),
+    "a pair that is no clip": (lambda: sensor().events((GOOD, [[1], [1, 2]]), 9), "are no array"),
+    "sum of exact weights": (
+        lambda: amacrine.Sensor("dvs", 1, memory="filtered-snap").on_chip(sum="zero"), EXACT_SUM
+    ),
+    "sum of a compiled kernel": (lambda: amacrine.compile("dvs", 9, sum="zero"), EXACT_SUM),
+    "sum of a filter": (lambda: amacrine.compile_filter("dvs", to="none", sum="zero"), EXACT_SUM),
     "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "must be odd"),
     "kernel of text": (lambda: amacrine.Sensor(np.array(["a"]), 1), "floats or integers"),
     "kernel axes": (lambda: amacrine.Sensor(np.ones((2, 2, 3, 3)), 1), "(K,1,k,k)"),
@@ -160,7 +191,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "dtype of None": (lambda: sensor().voxels(GOOD, 9, bins=1, dtype=_any(None)), "no dtype None"),
     "register that is no array": (
         lambda: amacrine.Program.from_file("dvs/snap").run(GOOD, 9, registers={"A": NoArray()}),
-        "registers: A: none of it",
+        "registers: A is no array: none of it",
     ),
     "file": (lambda: amacrine.read("no-such.npy"), "no-such.npy"),
     "scene": (lambda: amacrine.load("no-such.mp4"), "no-such.mp4"),
@@ -225,6 +256,16 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "no register": (lambda: _snap(registers={"Z": 1}), "Z: no such register"),
     "register of text": (lambda: _snap(registers={"A": "x"}), "registers: A"),
     "register of another size": (lambda: _snap(registers={"A": np.zeros((3, 3))}), "(H,W)"),
+    "a row of a register": (
+        lambda: _snap(registers={"A": np.zeros(8)}), "A: it has shape [8]; expected two axes"
+    ),
+    "a column of a register": (
+        lambda: _snap(registers={"A": np.zeros((8, 1))}), "A is 1x8, the light is 8x8"
+    ),
+    "complex register": (
+        lambda: _snap(registers={"A": np.zeros((8, 8), complex)}), "its numbers are complex128"
+    ),
+    "register of texts": (lambda: _snap(registers={"A": [["5"] * 8] * 8}), "its numbers are <U1"),
     "half a bit": (lambda: _snap(registers={"R5": 0.5}), "give 0 or 1"),
     "photodiodes": (lambda: _snap(registers={"PIX": 1}), "give light as frames"),
     "range": (lambda: amacrine.load(range="tv"), "auto, limited, full"),

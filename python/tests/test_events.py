@@ -177,6 +177,20 @@ def test_a_readout_stands_between(
         sensor.events(frames, FPS, readout={"readout": "scan", "slots": 20})
 
 
+def test_a_span_reaches_to_what_a_readout_delays(program: Callable[..., str], tmp_path: Path) -> None:
+    clip = np.random.default_rng(3).integers(0, 256, (6, 8, 8)).astype(np.uint8)
+    np.save(tmp_path / "scene.npy", clip)
+    scene = ("--scene", tmp_path / "scene.npy", "--sensor", "dvs", "--fps", 240)
+    program("run", *scene, "--readout", "frame", "-o", tmp_path / "want.npy")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", amacrine.Caution)
+        events = amacrine.Sensor.from_file("dvs").events(clip, 240, readout="frame")
+    assert events.span == (0.0, 0.021) and events["t"].max() == 21_000 > 5e6 / 240
+    amacrine.write(tmp_path / "own.npy", events)
+    assert (tmp_path / "own.npy").read_bytes() == (tmp_path / "want.npy").read_bytes()
+    assert amacrine.read(tmp_path / "own.npy").span == (0.0, 0.021)
+
+
 def test_dtypes() -> None:
     assert amacrine.EVENT.descr == [("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "|i1")]
     assert amacrine.EVENT_OF_KINDS.descr == [*amacrine.EVENT.descr, ("channel", "|u1")]

@@ -394,6 +394,31 @@ def test_the_rate_of_a_program_is_that_of_the_command_line(
     assert not any("assumed" in str(one.message) for one in told)
 
 
+def test_frames_between_two_microseconds_are_at_the_later(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    """As on the command line, for the span too: frame 5 of 128 a second is at 39062.5 us."""
+    np.save(tmp_path / "light.npy", frames[:6])
+    shown = ("--scene", tmp_path / "light.npy", "--fps", 128)
+    program("run", *shown, "--sensor", "dvs", "-o", tmp_path / "run.npy")
+    program("exec", "dvs/snap", *shown, "--events", tmp_path / "exec.npy")
+    sensor, snap = amacrine.Sensor.from_file("dvs"), amacrine.Program.from_file("dvs/snap")
+    stream = sensor.stream(128)
+    made: dict[str, Any] = {
+        "run": [
+            sensor.events(frames[:6], 128),
+            np.concatenate([stream.events(frames[:2]), stream.events(frames[2:6])]),
+        ],
+        "exec": [snap.run(frames[:6], 128).events],
+    }
+    for name, several in made.items():
+        want = tmp_path / f"{name}.npy"
+        assert amacrine.read(want).span == (0.0, 0.039063)
+        for events in several:
+            amacrine.write(tmp_path / "own.npy", events)
+            assert (tmp_path / "own.npy").read_bytes() == want.read_bytes(), name
+
+
 def test_a_data_frame_is_events(tmp_path: Path, events: Any) -> None:
     pandas = pytest.importorskip("pandas")
     amacrine.write(tmp_path / "frame.npy", pandas.DataFrame(events))

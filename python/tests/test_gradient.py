@@ -224,6 +224,11 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "no sensor": (lambda f: gradient.forward(_any("dvs"), f, 9), "give a Sensor"),
     "no dtype": (lambda f: gradient.forward(_plain(), f, 9, dtype=_any("f9")), "float32 or float64"),
     "no array": (lambda f: _forward(f).backward(_any([[1], [1, 2]])), "no array"),
+    "complex": (lambda f: _forward(f).backward(_any(1j * _forward(f).voxels)), "are complex64"),
+    "counts of text": (lambda f: _forward(f).backward(counts=_forward(f).counts.astype(str)), "are <U"),
+    "dtype of a table": (
+        lambda f: gradient.forward(_plain(), f, 9, dtype=_any({"readout": "scan"})), "float32 or float64"
+    ),
     "events of text": (lambda f: _forward(f).backward(events=_any("a")), "events = 'a'"),
     "times": (lambda f: gradient.forward(_plain(), f, times=[0, 1]), "2 times for 12 frames"),
     "order": (lambda f: gradient.forward(_plain(), f, times=[0] * 12), "frame 1 is at 0 s"),

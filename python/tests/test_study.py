@@ -261,6 +261,41 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
         answer.verdicts
 
 
+def test_feasibility_of_several_kernels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table for all of them, each called as on the command line."""
+    monkeypatch.chdir(tmp_path)
+    np.save("own.npy", amacrine.Sensor("csdvs-3", 1).kernels[0])
+    answer = amacrine.feasibility(
+        ["own.npy", "sobel-x"], 20, to="ternary", candidates=["ternary", "int-5"], scene=SCENE,
+        effort=0.05, chips=1,
+    )
+    said = json.dumps(answer.to_dict()) + str(answer.page)
+    assert "own.npy" in said and "kernel 0" not in said
+    pytest.importorskip("pandas")
+    frame = answer.to_frame()
+    rows = [("own.npy", "ternary"), ("own.npy", "int-5"), ("sobel-x", "ternary"), ("sobel-x", "int-5")]
+    assert [*zip(frame["kernel"], frame["to"])] == rows
+    assert set(answer.to_frame("tornado")["kernel"]) == {"own.npy", "sobel-x"}
+    with pytest.raises(KeyError, match="none is no table; there are"):
+        answer.to_frame("none")
+
+
+def test_files_of_kernels_are_called_as_on_the_command_line(
+    program: Callable[..., str], tmp_path: Path
+) -> None:
+    one, two = tmp_path / "one.npy", tmp_path / "two.npy"
+    plane = amacrine.Sensor("sobel-x", 1).kernels[0]
+    np.save(one, plane)
+    np.save(two, np.stack([plane, plane.T]))
+    stated = json.loads(program("quantise", one, two, "dvs", "--to", "ternary", "--json"))
+    called = [of["name"] for of in stated["kernels"]]
+    assert called == [str(one), f"{two}[0]", f"{two}[1]", "dvs"]
+    names = [of.name for of in amacrine.quantise([one, str(two), "dvs", plane], "ternary")]
+    assert names == [*called, "kernel 4"]
+    assert amacrine.quantise(one, "ternary").name == str(one)
+    assert amacrine.quantise(plane, "ternary").name == "the kernel"
+
+
 def _texts(page: str) -> str:
     """What is read of a page, or a drawing: no tags, no style sheets."""
     return re.sub(r"<style\b.*?</style>|<[^>]*>", " ", page, flags=re.DOTALL)
