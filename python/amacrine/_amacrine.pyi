@@ -262,7 +262,7 @@ class Program:
         set: list[tuple[str, npt.NDArray[np.float64]]],
     ) -> tuple[
         npt.NDArray[np.uint8],
-        int,
+        tuple[int, int],
         dict[str, int],
         dict[str, npt.NDArray[Any]],
         dict[str, npt.NDArray[Any]],

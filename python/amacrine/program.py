@@ -181,13 +181,14 @@ class Program:
             arguments.names("keep", keep),
             _registers(registers, given.size),
         )
-        records, channels, dropped, registers, films, posts, warned = found
+        records, (channels, shown), dropped, registers, films, posts, warned = found
         # One frame has no rate.
         if said is None and given.frames > 1:
             caution_of_rate(self._native.file, rate)
         for text in warned:
             caution(text)
-        seconds = max(given.frames - 1, 0) / rate
+        # Its host may end before the light does.
+        seconds = max(shown - 1, 0) / rate
         read = view(records, channels)
         events = named(read, None, given.size, channels, (0.0, seconds), dropped)
         return ProgramRun(events, registers, films, sum(dropped.values()), posts)

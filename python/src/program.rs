@@ -174,7 +174,7 @@ impl Program {
         self.source.settings.fps
     }
 
-    /// Shows it frames: the bytes of the records of events, the number of kinds, events that
+    /// Shows it frames: the bytes of the records of events, the numbers of kinds and of frames, events that
     /// found no slot, registers after the last frame, those of `keep` after every frame, what a
     /// host wrote that runs beside the array, with the frame, and what is to be warned of.
     #[expect(clippy::type_complexity, reason = "what a run gives, once")]
@@ -189,7 +189,7 @@ impl Program {
         set: Vec<(String, PyReadonlyArray2<'py, f64>)>,
     ) -> PyResult<(
         Bound<'py, PyArray1<u8>>,
-        u8,
+        (u8, usize),
         BTreeMap<&'static str, u64>,
         Bound<'py, PyDict>,
         Bound<'py, PyDict>,
@@ -289,7 +289,7 @@ impl Program {
         let warned = warned.chain(self.uncaptured(set)).collect();
         Ok((
             records,
-            packet.channels,
+            (packet.channels, shown),
             by_reason(packet.dropped),
             last,
             every,

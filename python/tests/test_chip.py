@@ -472,8 +472,11 @@ def test_a_host_that_ends_shows_fewer_frames(tmp_path: Path) -> None:
         'if (scamp5_global_or(R5)) mov(B, A); printf("%d", i); } }'
     )
     (tmp_path / "p.cpp").write_text(text)
-    run = amacrine.Program.from_file(tmp_path / "p.cpp").run(np.zeros((5, 4, 4), np.uint8), keep=["A"])
+    ends = amacrine.Program.from_file(tmp_path / "p.cpp")
+    run = ends.run(np.zeros((5, 4, 4), np.uint8), 100, keep=["A"])
     assert run.posts == [(0, "0"), (1, "1")] and run.films["A"].shape == (2, 4, 4)
+    # As in the file that `amacrine exec --events` writes.
+    assert run.events.span == (0.0, 0.01)
 
 
 def test_a_program_of_an_objective(frames: Frames) -> None:
