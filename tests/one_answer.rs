@@ -286,30 +286,39 @@ fn chance_scores_too_much_from_one_limit() {
 }
 
 /// In few bits a memory may begin a pair of frames beyond its next threshold. Its events are where the
-/// list has them, in the voxels too.
+/// list has them, in the voxels too, also those that a dead time leaves.
 #[test]
 fn voxels_in_few_bits_are_those_of_the_list() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
     let light = Array3::from_shape_vec((5, 1, 1), vec![139_u8, 161, 168, 179, 180]).unwrap();
     write_npy(folder.join("c.npy"), &light).unwrap();
-    let sensor = "response = \"identity\"\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.263, off = 0.263 }\n";
-    fs::write(folder.join("s.toml"), sensor).unwrap();
-    let run = "run --scene c.npy --fps 100 --sensor s.toml --format bf16 --voxels v.npy -o e.csv";
-    good(folder, &run.split(' ').collect::<Vec<_>>());
-    let voxels: Array4<f32> = read_npy(folder.join("v.npy")).unwrap();
-    let mut wanted = [0.0; 5];
-    let list = fs::read_to_string(folder.join("e.csv")).unwrap();
-    for line in list.lines().skip(1) {
-        // In frames; an event is shared between the two nearest.
-        let at = line.split(',').next().unwrap().parse::<f64>().unwrap() / 10_000.0;
-        let frame = at.floor();
-        wanted[frame as usize] += 1.0 - (at - frame);
-        if at > frame {
-            wanted[frame as usize + 1] += at - frame;
+    for dead_time in [
+        "",
+        "refractory = { us = 1500 }\n",
+        "refractory = { us = 9500 }\n",
+    ] {
+        let sensor = format!(
+            "response = \"identity\"\nmemory = \"filtered-step\"\n{dead_time}[[channel]]\nkernel = \"dvs\"\nthreshold = {{ on = 0.263, off = 0.263 }}\n"
+        );
+        fs::write(folder.join("s.toml"), sensor).unwrap();
+        let run =
+            "run --scene c.npy --fps 100 --sensor s.toml --format bf16 --voxels v.npy -o e.csv";
+        good(folder, &run.split(' ').collect::<Vec<_>>());
+        let voxels: Array4<f32> = read_npy(folder.join("v.npy")).unwrap();
+        let mut wanted = [0.0; 5];
+        let list = fs::read_to_string(folder.join("e.csv")).unwrap();
+        for line in list.lines().skip(1) {
+            // In frames; an event is shared between the two nearest.
+            let at = line.split(',').next().unwrap().parse::<f64>().unwrap() / 10_000.0;
+            let frame = at.floor();
+            wanted[frame as usize] += 1.0 - (at - frame);
+            if at > frame {
+                wanted[frame as usize + 1] += at - frame;
+            }
         }
-    }
-    for (got, wanted) in voxels.iter().zip(wanted) {
-        assert!((f64::from(*got) - wanted).abs() < 0.02, "{voxels} {wanted}");
+        for (got, wanted) in voxels.iter().zip(wanted) {
+            assert!((f64::from(*got) - wanted).abs() < 0.02, "{voxels} {wanted}");
+        }
     }
 }

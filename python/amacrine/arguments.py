@@ -255,8 +255,8 @@ def micros(name: str, given: Any) -> int | None:
 
 
 def to_micros(seconds: float) -> int:
-    """The nearest microsecond, of two as near the later, as the library has it; ``round`` takes the
-    even one."""
+    """The nearest microsecond; of two as near the later, as the library has it from 0 on. ``round``
+    takes the even one."""
     exact = seconds * 1e6
     before = math.floor(exact)
     return before + int(exact - before >= 0.5)

@@ -238,9 +238,10 @@ class EventSensor(ABC):
         given, number, fps = clips(frames, scale), voxel.number(dtype), arguments.rate(fps)
         kinds, size = len(self.channels), given.size
         if bins is None:
-            # As texts: arrays have no one answer to whether they are equal.
             asked = window, every, causal, polarity, share, normalise, upsample
-            if [*map(str, asked)] != ["None", "None", "True", "signed", "bilinear", "None", "None"]:
+            usual = None, None, True, "signed", "bilinear", None, None
+            # An array has no one answer to whether it is equal.
+            if any(arguments.axes(one) or one != its for one, its in zip(asked, usual)):
                 raise Error(
                     "window, every, causal, polarity, share, normalise and upsample are of windows of "
                     "bins\n"

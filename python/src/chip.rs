@@ -174,17 +174,33 @@ impl Chip {
         }
         let name = &description.name;
         let mut program = SensorProgram::new(&kinds, memory, name, &request).map_err(raised)?;
-        let wrong = program.wrong_from_border();
-        if wrong > 0 {
-            let within = format!("within {} of the border", counted(wrong, "pixel"));
-            if asked.border {
+        let far = counted(program.wrong_from_border(&device), "pixel");
+        let edge = device.value(Figure::Edge);
+        if program.wrong_from_border(&device) > 0 {
+            let within = format!("within {far} of the border");
+            if asked.border && edge == 0.0 {
                 return Err(refused(
                     format!("{name}: no program was found that is right {within}"),
                     "search longer (effort=…), ask for fewer kinds, take a chip with more registers (chip=\"scamp5-wide\"), or leave border=True out",
                 ));
             }
+            let within = match memory {
+                // A wrong event renews the memory that its neighbours see.
+                DriveMemory::Shared => {
+                    format!("from the border inwards, by up to {far} further with each frame,")
+                }
+                DriveMemory::Analogue | DriveMemory::Bits(_) => within,
+            };
+            let way = if edge == 0.0 {
+                "border=True asks for a program that is right there".to_owned()
+            } else {
+                format!(
+                    "beyond the border registers of {} hold {edge} LSB (edge.analogue)",
+                    device.name()
+                )
+            };
             notes.push(format!(
-                "{name}: {within} events differ from those of a sensor that sees 0 beyond it, in exact arithmetic too; border=True asks for a program that is right there"
+                "{name}: {within} events differ from those of a sensor that sees 0 beyond it, in exact arithmetic too; {way}"
             ));
         }
         if let Some(events) = asked.events {

@@ -98,7 +98,12 @@ fn last<R: Real>(count: R, first: R, spacing: R) -> R {
 /// The same for a train that may end after the later frame: what lies beyond it is at it.
 fn share_within<R: Real>(count: R, first: R, spacing: R) -> (R, R) {
     if last(count, first, spacing) > R::ONE + R::TIE {
-        let within = ((R::ONE - first) / spacing).floor() + R::ONE;
+        // A dead time may leave only events beyond the frame, and no spacing.
+        let within = if first < R::ONE {
+            ((R::ONE - first) / spacing).floor() + R::ONE
+        } else {
+            R::ZERO
+        };
         let (earlier, later) = share(within.mul_sign(count), first, spacing);
         (earlier, later + (count.abs() - within).mul_sign(count))
     } else {
@@ -294,10 +299,10 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The slow twin: event by event. A train may end after the later frame.
+        /// The slow twin: event by event. A train may end after the later frame, or begin there.
         #[test]
-        fn closed_form_is_the_sum_over_events(count in 1u64..500, first in 0.0f64..1.0, room in 0.0f64..2.0, on: bool) {
-            let spacing = room * (1.0 - first) / count as f64;
+        fn closed_form_is_the_sum_over_events(count in 1u64..500, first in 0.0f64..1.5, room in 0.0f64..2.0, on: bool) {
+            let spacing = room * (1.25 - first).max(0.0) / count as f64;
             let polarity = Polarity::of(on);
             let train = Train { polarity, count, first, spacing };
             let (mut earlier, mut later) = (0.0, 0.0);
@@ -314,8 +319,13 @@ mod tests {
         /// In single precision a share is rounded as such, and then added in double; whatever
         /// the width.
         #[test]
-        fn single_precision_is_widened(trains in proptest::collection::vec((-3i32..4, 0f32..1.0, 0f32..0.3), 1..200), fresh: bool) {
+        fn single_precision_is_widened(trains in proptest::collection::vec((-3i32..4, 0f32..0.4, 0f32..0.3), 1..200), fresh: bool, beyond: bool) {
+            let mut trains = trains;
             let width = trains.len();
+            if beyond {
+                // One that ends after the later frame.
+                trains[width / 2] = (3, 0.9, 0.3);
+            }
             let (counts, first, spacing): (Vec<_>, Vec<_>, Vec<_>) = trains.iter().copied().collect();
             let mut bins = (vec![0.5; width], vec![0.25; width]);
             if fresh {

@@ -511,7 +511,9 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
             let weight = match weight * unit {
                 1.0 => String::new(),
                 -1.0 => "-".to_owned(),
-                times if unit >= 1.0 || !is_part(unit) => format!("{times} "),
+                // The product with a scale of other digits has rounded.
+                times if !is_part(unit) => format!("{} ", (times * 1e12).round() / 1e12),
+                times if unit >= 1.0 => format!("{times} "),
                 _ => format!("{weight}/{} ", 1.0 / unit),
             };
             lines.push(format!("{begin}{weight}{input}"));

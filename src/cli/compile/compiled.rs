@@ -366,13 +366,7 @@ impl Compiled {
     /// How many pixels in from the border the results may be wrong: where registers beyond it hold
     /// no 0, as far as a result looks.
     fn wrong_within(&self, device: &Device) -> usize {
-        let own = self.filters.iter().map(|filter| {
-            if device.value(Figure::Edge) == 0.0 {
-                filter.wrong_from_border()
-            } else {
-                filter.from_border
-            }
-        });
+        let own = { self.filters.iter() }.map(|filter| filter.wrong_from_border(device));
         own.max().unwrap_or(0)
     }
 

@@ -9,7 +9,7 @@ use crate::{
         intermediate::{linear_form::LinearForm, plan::StoreErrors},
         search::solve::{FINE, Solved, fine},
     },
-    isa::{Analog, Device, Primitive},
+    isa::{Analog, Device, Figure, Primitive},
     unit::counted,
 };
 
@@ -78,11 +78,12 @@ impl Filter {
         self.words.iter().map(|word| device.words(word)).sum()
     }
 
-    /// How many pixels in from the border of the array the results may be wrong, where zeros lie
-    /// beyond it.
+    /// How many pixels in from the border of the array the results may be wrong: where registers beyond
+    /// it hold no 0, as far as a result looks.
     #[must_use]
-    pub const fn wrong_from_border(&self) -> usize {
-        if self.border { 0 } else { self.from_border }
+    pub fn wrong_from_border(&self, device: &Device) -> usize {
+        let is_right = self.border && device.value(Figure::Edge) == 0.0;
+        if is_right { 0 } else { self.from_border }
     }
 
     /// From kernel times input to the result: what the halvings leave of it.

@@ -89,11 +89,13 @@ pub(super) enum Registers {
 
 impl SensorProgram {
     /// How many pixels in from the border of the array events may differ from those of a sensor
-    /// that sees zeros beyond it, in exact arithmetic too; 0 where the program is right there.
+    /// that sees zeros beyond it, in exact arithmetic too; 0 where the program is right there. Of kinds
+    /// that share a memory, how many further with each frame.
     #[must_use]
-    pub fn wrong_from_border(&self) -> usize {
+    pub fn wrong_from_border(&self, device: &Device) -> usize {
         let own = self.filters.iter().chain([&self.filter]);
-        own.map(Filter::wrong_from_border).max().unwrap_or(0)
+        let own = own.map(|filter| filter.wrong_from_border(device));
+        own.max().unwrap_or(0)
     }
 
     /// Searches for the filters and writes the program around them: one decision a frame, memory

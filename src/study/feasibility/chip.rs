@@ -97,7 +97,7 @@ impl OnChip {
             registers_of: device.registers().analog.len() - 1,
             prescale_bits: filter.prescale,
             halved_for: HalvedFor::of(program),
-            border: filter.border,
+            border: filter.wrong_from_border(device) == 0,
             holds: filter.holds,
             noise: Noise::new(program, device, threshold_lsb),
             time,

@@ -104,7 +104,9 @@ pub(super) fn number(name: &str, given: &[f64]) -> Option<f64> {
         | "exp2f" | "logf" | "log2f" | "log10f" | "powf" | "atan2f" | "fminf" | "fmaxf"
         | "fmodf" | "hypotf" | "rintf" | "nearbyintf" | "lroundf" | "lrintf" | "asinhf"
         | "acoshf" | "atanhf" | "expm1f" | "log1pf" | "erff" | "erfcf" | "tgammaf"
-        | "copysignf" | "fdimf" | "fmaf" | "remainderf" | "ldexpf" => &name[..name.len() - 1],
+        | "copysignf" | "fdimf" | "fmaf" | "remainderf" | "ldexpf" | "scalbnf" => {
+            &name[..name.len() - 1]
+        }
         name => name,
     };
     Some(match (base, given) {
