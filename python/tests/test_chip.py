@@ -479,6 +479,20 @@ def test_a_host_that_ends_shows_fewer_frames(tmp_path: Path) -> None:
     assert run.events.span == (0.0, 0.01)
 
 
+@pytest.mark.parametrize(
+    "memory, where", [("shared", "by up to 1 pixel further with each frame"), ("analogue", "within 1 pixel")]
+)
+def test_a_chip_without_zeros_beyond_its_border_is_told_of(
+    memory: str, where: str, tmp_path: Path
+) -> None:
+    edge = '{ value = -3, unit = "LSB", source = "test", evidence = "guess" }'
+    head = 'name = "edge"\ntitle = "t"\nextends = "scamp5"\n'
+    (tmp_path / "device.toml").write_text(f"{head}[figure.edge]\nanalogue = {edge}\n")
+    with pytest.warns(amacrine.Caution, match=where) as said:
+        amacrine.compile("sobel-x", 80, to="ternary", memory=memory, chip=tmp_path, effort=0.02)
+    assert any("hold -3 LSB (edge.analogue)" in str(one.message) for one in said)
+
+
 def test_a_program_of_an_objective(frames: Frames) -> None:
     def compiled(objective: str) -> amacrine.ChipSensor:
         how: Any = {"domain": "exact", "objective": objective, "effort": 0.2}
