@@ -454,7 +454,7 @@ fn any_scale_of_light_is_read_back() {
         let light = figure("scale", scale, "LSB/level", "quoted");
         chip(folder, &name, &format!("[figure.light]\n{light}"));
         assert_eq!(kernel(&name), usual, "{scale}");
-        let text = "get_image(A);\nadd(B, A, A);\nadd(C, B, A);\n";
+        let text = "get_image(A);\nmov(B, A);\nadd(C, A, B);\nadd(D, C, A);\n";
         fs::write(folder.join("light.scamp"), text).unwrap();
         let said = good(
             folder,
