@@ -487,9 +487,11 @@ def test_a_chip_without_zeros_beyond_its_border_is_told_of(
 ) -> None:
     edge = '{ value = -3, unit = "LSB", source = "test", evidence = "guess" }'
     head = 'name = "edge"\ntitle = "t"\nextends = "scamp5"\n'
-    (tmp_path / "device.toml").write_text(f"{head}[figure.edge]\nanalogue = {edge}\n")
+    chip = tmp_path / "edge"
+    chip.mkdir()
+    (chip / "device.toml").write_text(f"{head}[figure.edge]\nanalogue = {edge}\n")
     with pytest.warns(amacrine.Caution, match=where) as said:
-        amacrine.compile("sobel-x", 80, to="ternary", memory=memory, chip=tmp_path, effort=0.02)
+        amacrine.compile("sobel-x", 80, to="ternary", memory=memory, chip=chip, effort=0.02)
     assert any("hold -3 LSB (edge.analogue)" in str(one.message) for one in said)
 
 
