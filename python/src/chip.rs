@@ -174,9 +174,9 @@ impl Chip {
         }
         let name = &description.name;
         let mut program = SensorProgram::new(&kinds, memory, name, &request).map_err(raised)?;
-        let far = counted(program.wrong_from_border(&device), "pixel");
-        let edge = device.value(Figure::Edge);
-        if program.wrong_from_border(&device) > 0 {
+        let wrong = program.wrong_from_border(&device);
+        if wrong > 0 {
+            let (far, edge) = (counted(wrong, "pixel"), device.value(Figure::Edge));
             let within = format!("within {far} of the border");
             if asked.border && edge == 0.0 {
                 return Err(refused(

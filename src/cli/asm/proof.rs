@@ -520,7 +520,7 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
         } else {
             let unit = if unit == 1.0 {
                 String::new()
-            } else if unit > 1.0 || !is_part(unit) {
+            } else if !is_part(unit) {
                 format!("{unit} ")
             } else {
                 format!("1/{} ", 1.0 / unit)
